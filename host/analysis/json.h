@@ -71,6 +71,7 @@ public:
         if (found == this->size()) throw std::out_of_range("key not found");
         return member(found).second;
     }
+    /// The container is not constant, so neither is what it has.
     template <class K>
     T& at(const K& key) {
         return const_cast<T&>(std::as_const(*this).at(key));

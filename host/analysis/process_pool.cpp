@@ -58,7 +58,7 @@ private:
 /// which then stops the others; and ended by the kernel if this one is killed.
 pid_t spawn(const std::vector<std::string>& words, int error_descriptor) {
     std::vector<char*> arguments;
-    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));  // exec does not write to it
     arguments.push_back(nullptr);
     const pid_t parent = ::getpid();
     const pid_t child = ::fork();

@@ -55,7 +55,7 @@ ProgramEnd run_program(const std::vector<std::string>& words, const std::string&
     std::array<int, 2> pipe_ends{};
     if (::pipe2(pipe_ends.data(), O_CLOEXEC) != 0) refuse_start(program);
     std::vector<char*> arguments;
-    for (const std::string& one : words) arguments.push_back(const_cast<char*>(one.c_str()));
+    for (const std::string& one : words) arguments.push_back(const_cast<char*>(one.c_str()));  // exec does not write to it
     arguments.push_back(nullptr);
     const pid_t child = ::fork();
     if (child < 0) refuse_start(program);

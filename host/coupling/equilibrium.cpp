@@ -11,7 +11,6 @@
 #include "model/error.h"
 #include "model/index.h"
 #include "model/stop_request.h"
-#include "world/rotation_step.h"
 
 namespace dttmm::host {
 

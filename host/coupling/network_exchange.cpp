@@ -12,8 +12,6 @@ namespace {
 
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-constexpr size_t kBlock = 36;
-
 Eigen::Map<Eigen::Vector3d> vector(double* v) { return Eigen::Map<Eigen::Vector3d>(v); }
 
 }  // namespace

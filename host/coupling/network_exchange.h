@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +21,8 @@ namespace dttmm::host {
 /// and errors with the place in the model file or the time.
 class NetworkExchange {
 public:
+    static constexpr size_t kBlock = 36;  ///< numbers of a block of a matrix
+
     explicit NetworkExchange(const Model& model);
 
     /// Creates the instance of a plugin. Throws Error with the place in the model file when it refuses an element.
@@ -55,8 +56,9 @@ public:
         }
     }
 
-    /// Takes the motion of the bodies; as last taken.
+    /// Copies the motion of the bodies.
     void gather(const std::vector<BodyState>& motion);
+    /// The motions last copied.
     const dttmm_motion* motions() const { return motions_.data(); }
     /// Loads on one instance, out of those on all networks; null if there are none.
     const double* gather_loads(size_t instance, const double* loads);

@@ -17,7 +17,19 @@ namespace {
 
 using RowMajor6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
-constexpr size_t kBlock = 36;
+constexpr size_t kBlock = NetworkExchange::kBlock;
+
+void add_measure(const NetworkInstance& instance, const dttmm_static_measure& own, Networks::StaticMeasure& sum) {
+    sum.work += own.work;
+    sum.residual = std::max(sum.residual, own.residual);
+    sum.force = std::max(sum.force, own.force);
+    sum.noise = std::max(sum.noise, own.noise);
+    sum.turn = std::max(sum.turn, own.turn);
+    if (own.shift <= sum.shift) return;
+    sum.shift = own.shift;
+    if (own.element >= 0 && as_size(own.element) < instance.element_count())
+        sum.element = instance.element_name(static_cast<uint32_t>(own.element));
+}
 
 }  // namespace
 
@@ -239,22 +251,11 @@ void Networks::form_static(const std::vector<BodyState>& at, double resistance, 
     }
 }
 
-void Networks::add_measure(size_t instance, const dttmm_static_measure& own, StaticMeasure& sum) const {
-    sum.work += own.work;
-    sum.residual = std::max(sum.residual, own.residual);
-    sum.force = std::max(sum.force, own.force);
-    sum.noise = std::max(sum.noise, own.noise);
-    sum.turn = std::max(sum.turn, own.turn);
-    if (own.shift <= sum.shift) return;
-    sum.shift = own.shift;
-    if (own.element >= 0 && as_size(own.element) < exchange_.instances()[instance].element_count())
-        sum.element = exchange_.instances()[instance].element_name(static_cast<uint32_t>(own.element));
-}
-
 Networks::StaticMeasure Networks::correct_static(const double* change) {
     StaticMeasure sum;
     for (size_t n = 0; n < exchange_.instances().size(); ++n)
-        exchange_.tell_place(n, [&] { add_measure(n, exchange_.instances()[n].correct_static(change), sum); });
+        exchange_.tell_place(
+            n, [&] { add_measure(exchange_.instances()[n], exchange_.instances()[n].correct_static(change), sum); });
     return sum;
 }
 
@@ -263,7 +264,8 @@ Networks::StaticMeasure Networks::move_static(const std::vector<BodyState>& at, 
     StaticMeasure sum;
     for (size_t n = 0; n < exchange_.instances().size(); ++n)
         exchange_.tell_place(n, [&] {
-            add_measure(n, exchange_.instances()[n].move_static(exchange_.motions(), share, exchange_.wrenches()), sum);
+            add_measure(exchange_.instances()[n],
+                        exchange_.instances()[n].move_static(exchange_.motions(), share, exchange_.wrenches()), sum);
             exchange_.scatter(n, wrenches);
         });
     return sum;

@@ -102,7 +102,6 @@ public:
 
 private:
     void take_weights();
-    void add_measure(size_t instance, const dttmm_static_measure& own, StaticMeasure& sum) const;
 
     NetworkExchange exchange_;
     std::vector<std::pair<int, int>> neighbours_;

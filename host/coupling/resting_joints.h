@@ -23,16 +23,17 @@ public:
 
     const std::vector<JointEquations>& equations() const { return system_.joints(); }
     const std::vector<Stop>& stops() const { return stops_; }
-    /// Of the bodies and behind them of the joints.
+    /// Equations in all: 6 per body, then those of the joints.
     int rows() const { return rows_; }
     /// Without forces, no stop acting, motors as they are at t0 [s].
     void start(double t0);
-    /// For another try from here; and back to where that was called last.
+    /// keep() stores stops and forces; recall() restores them.
     void keep();
     void recall();
 
     /// Adds equations and forces of all joints under a share of what motors do. held: how stiffly bodies are held at their
-    /// centres of mass at most [N/m]. Both by row. `at` is as it was afterwards.
+    /// centres of mass at most [N/m]. Both by row. `at` is changed during the call
+    /// and restored.
     void add(std::vector<BodyState>& at, double factor, const std::vector<double>& held, Triplets& entries,
              Eigen::VectorXd& right_hand_side) const;
     /// Work of the forces of the joints after a solution, row by row: work(w).

@@ -50,6 +50,8 @@ inline constexpr double kDistinct = 10;
 class Diagnostician {
 public:
     Diagnostician(Comparison& comparison, const Unknowns& common, Suspects suspects, int jobs);
+    Diagnostician(const Diagnostician&) = delete;  // its slopes keep its suspects
+    Diagnostician& operator=(const Diagnostician&) = delete;
     Diagnosis diagnose();
 
 private:

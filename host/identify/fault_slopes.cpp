@@ -26,7 +26,7 @@ Eigen::MatrixXd without(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& b
     return columns - basis * basis.colPivHouseholderQr().solve(columns);
 }
 
-void FaultSlopes::find(const Eigen::VectorXd& common, const Eigen::VectorXd& predicted, std::vector<size_t> columns) {
+void FaultSlopes::find(const Eigen::VectorXd& common_at, const Eigen::VectorXd& predicted, std::vector<size_t> columns) {
     const Unknowns unknowns = suspects_.unknowns(common_, suspects_.names, false, true);
     if (is_found_.empty()) {
         is_found_.assign(unknowns.size(), false);
@@ -34,7 +34,7 @@ void FaultSlopes::find(const Eigen::VectorXd& common, const Eigen::VectorXd& pre
     }
     std::erase_if(columns, [&](size_t column) { return is_found_[column]; });
     Eigen::VectorXd x = unknowns.start();
-    x.head(common.size()) = common;
+    x.head(common_at.size()) = common_at;
     const Eigen::MatrixXd slopes = Residuals(comparison_, unknowns, {}, jobs_)
                                        .differentiate_quickly(x, comparison_.residual(predicted, false), columns);
     for (size_t i = 0; i < columns.size(); ++i) {

@@ -21,10 +21,10 @@ public:
     FaultSlopes(Comparison& comparison, const Unknowns& common, const Suspects& suspects, int jobs)
         : comparison_(comparison), common_(common), suspects_(suspects), jobs_(jobs) {}
 
-    /// By one-sided differences: as many runs as columns that are not known yet. common: their coordinates where nothing
-    /// has changed, with what is predicted there. columns: the common unknowns, the stiffness of every suspect, the damping
-    /// of those that have one.
-    void find(const Eigen::VectorXd& common, const Eigen::VectorXd& predicted, std::vector<size_t> columns);
+    /// By one-sided differences: as many runs as columns that are not known yet. common_at: coordinates of the common
+    /// unknowns where nothing has changed; predicted: what they predict. columns: the common unknowns, the stiffness of
+    /// every suspect, the damping of those that have one.
+    void find(const Eigen::VectorXd& common_at, const Eigen::VectorXd& predicted, std::vector<size_t> columns);
     /// The same per standard deviation of the data, without what the common unknowns do: after these have changed.
     void scale();
 

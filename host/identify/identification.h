@@ -2,14 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "identify/fit.h"
 #include "identify/residuals.h"
-#include "record/warnings.h"
 
 namespace dttmm::host {
 

@@ -55,11 +55,11 @@ Simulation::Simulation(const Model& model, const Plugins& plugins)
       fastest_(find_fastest_mode(model, networks_, now_)),
       observer_(model, networks_, end_of_step_.equations().joint_system()) {
     engine_.stops.resize(model.joints.size());
-    turning_.held.resize(model.bodies.size());
+    fastest_turning_.held.resize(model.bodies.size());
     for (const Joint& joint : model.joints) engine_.has_stops = engine_.has_stops || joint.limits;
     for (const Element& element : model.elements)
         for (const Attachment& end : element.ends)
-            if (end.body >= 0) turning_.held[as_size(end.body)] = true;
+            if (end.body >= 0) fastest_turning_.held[as_size(end.body)] = true;
     if (!networks_.is_implicit()) limit_ = find_explicit_limit(model, networks_, now_, step_size_, model.simulation.scheme);
     const Instant& start = this->start();
     first_after_ = now_;
@@ -226,16 +226,16 @@ std::string Simulation::describe_speed() const {
 void Simulation::follow_turning() {
     for (size_t b = 0; b < after_.size(); ++b) {
         const double squared = after_[b].angular_velocity.squaredNorm();
-        if (squared <= turning_.squared || !turning_.held[b]) [[likely]]
+        if (squared <= fastest_turning_.squared_speed || !fastest_turning_.held[b]) [[likely]]
             continue;
-        turning_.squared = squared;
-        turning_.body = b;
+        fastest_turning_.squared_speed = squared;
+        fastest_turning_.body = b;
     }
 }
 
 Turning Simulation::fastest_turning() const {
-    if (turning_.squared == 0) return {};
-    return {std::sqrt(turning_.squared) * step_size_, model_.bodies[turning_.body].name};
+    if (fastest_turning_.squared_speed == 0) return {};
+    return {std::sqrt(fastest_turning_.squared_speed) * step_size_, model_.bodies[fastest_turning_.body].name};
 }
 
 void Simulation::refuse_divergence() const {

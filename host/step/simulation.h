@@ -131,12 +131,12 @@ private:
         first_after_;  ///< velocities half a step after the start that have the initial ones as their mean
 
     /// Of the bodies that an element holds.
-    struct Fastest {
-        std::vector<bool> held;
-        double squared = 0;  ///< [rad²/s²]
+    struct FastestTurning {
+        std::vector<bool> held;    ///< by an element
+        double squared_speed = 0;  ///< [rad²/s²]
         size_t body = 0;
     };
-    Fastest turning_;
+    FastestTurning fastest_turning_;
 };
 
 }  // namespace dttmm::host

@@ -142,7 +142,8 @@ Json describe_copies(const fs::path& folder) {
 void check_copies(const fs::path& folder, const Json& copies) {
     std::error_code fault;
     for (const auto& [place, digest] : copies.items())
-        if (!fs::is_regular_file(folder / place, fault) || digest_of(folder / place) != digest.get_ref<const std::string&>())
+        if (!fs::is_regular_file(folder / place, fault) || !digest.is_string() ||
+            digest_of(folder / place) != digest.get_ref<const std::string&>())
             throw Error(ExitCode::input_output,
                         fmt::format("{}: it is not what it was when the study was made; put it back, or make the study anew "
                                     "in another folder",

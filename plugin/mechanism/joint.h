@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <utility>
+
 #include "mechanism/joint_geometry.h"
 
 namespace dttmm::plugin {

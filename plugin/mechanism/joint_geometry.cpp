@@ -52,9 +52,6 @@ JointGeometry::JointGeometry(const JointSpec& spec, const Assembly& assembly, st
     seat_.is_aligned = from.rotation == spec.pose.rotation;
     seat_.is_straight = to.rotation == spec.pose.rotation;
     seat_.has_lever = spec.pose.position != to.position;
-    if (!is_axial()) return;
-    const Vector3 start = spec.pose.position - law().axial->length * spec.pose.rotation.col(0);
-    from_point_ = from.rotation.transpose() * (start - from.position);
 }
 
 // ---- Kinematics ---------------------------------------------------------------------------------------------------------

@@ -56,7 +56,7 @@ struct JointKind {
 };
 
 /// Where a joint is between its two frames, how it is deformed, and what forces there do to the frames. It measures its
-/// deformation in its axes, which go with the `from` frame; those of a line go with that.
+/// deformation in its axes, which go with the `from` frame. The axes of a joint along a line follow the line.
 class JointGeometry {
 public:
     static constexpr double kLargestRotation = 2.5;  ///< rad
@@ -134,12 +134,14 @@ protected:
 
 private:
     [[gnu::noinline, gnu::cold]] JointPose axial_pose(FrameView from, FrameView to) const;
-    Vector3 arm_of_line(FrameView from) const { return from.axes() * from_point_; }
+    /// From the `from` origin to the first point of its line, which lies on its x from the second, world axes.
+    Vector3 arm_of_line(FrameView from) const {
+        return from.axes() * (seat_.from_axes * (seat_.rest - law().axial->length * Vector3::UnitX()));
+    }
     EndBlocks axial_stiffness(FrameView from, FrameView to, const Vector3& force) const;
     void refuse_rotation(double angle) const;
 
     int element_, from_, to_;
-    Vector3 from_point_ = Vector3::Zero();  ///< of a line: its first point in the axes of the `from` frame [m]
 };
 
 }  // namespace dttmm::plugin

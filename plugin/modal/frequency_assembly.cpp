@@ -17,8 +17,6 @@ namespace dttmm::plugin {
 
 namespace {
 
-using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-
 /// Cosine of an angle that is round-off.
 constexpr double kAligned = 1e-9;
 

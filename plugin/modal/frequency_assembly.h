@@ -15,7 +15,7 @@ namespace dttmm::plugin {
 /// Makes a FrequencyModel of what the host describes.
 class FrequencyAssembly {
 public:
-    /// model: with its directions, else empty. rest: see there. Keeps all.
+    /// model: has its directions and mask, else empty. rest: the machine at rest; null: none. Keeps all three.
     FrequencyAssembly(FrequencyModel& model, const dttmm_modal_model& description, const AtRest* rest);
     void run();
 

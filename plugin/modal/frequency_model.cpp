@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "core/state_vector.h"
 #include "element/parameters.h"
 #include "modal/frequency_assembly.h"
 

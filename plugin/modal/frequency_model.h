@@ -9,7 +9,6 @@
 #include "dttmm_modal.h"
 #include "law/viscoelastic.h"
 #include "mechanism/assembly.h"
-#include "modal/line_forces.h"
 #include "modal/line_waves.h"
 #include "statics/at_rest.h"
 

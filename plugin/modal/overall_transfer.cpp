@@ -12,7 +12,6 @@
 #include <map>
 
 #include "core/index.h"
-#include "core/state_vector.h"
 
 namespace dttmm::plugin {
 

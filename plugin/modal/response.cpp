@@ -3,13 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "core/error.h"
-#include "core/rotation.h"
 #include "core/state_vector.h"
 
 namespace dttmm::plugin {

@@ -71,6 +71,8 @@ public:
     void lean_on(const HarmonicSolver& middle);
     /// At the frequency last factored, and so for what follows.
     Response solve(const Drive& drive) const;
+    /// After factor() or lean_on(), valid until the next of these.
+    CarriedForces forces(Response&&) const = delete;
     CarriedForces forces(const Response& response) const { return {D_, omega_, waves_, *parts_, response}; }
 
 private:

@@ -32,6 +32,30 @@ void choose_independent(Matrix rows, double threshold, std::vector<int>& choice,
     }
 }
 
+/// Units of a pivot's motions. own: what stood on the diagonal before anything was eliminated; size: what stands there now.
+/// What is left of a motion that nothing holds is small beside that. A direction without anything of its own is measured by
+/// what it got from others, or, if that is next to nothing, by the other directions of its kind; and if these have no more
+/// than rounding (a node that rigid directions alone keep from turning), by those of the other kind on a lever of a metre.
+Vector6 scale_of(Vector6 own, Vector6 size, double least_turning) {
+    constexpr double kNothing = 1e-6, kRounding = 1e-14, kRoundingOfOther = 1e-16;
+    for (Vector6* entries : {&own, &size}) {
+        const double least = least_turning * size.head<3>().maxCoeff();
+        for (double& entry : entries->tail<3>())
+            if (entry <= least) entry = 0;
+    }
+    const auto largest = [](const Vector6& of, Eigen::Index half) { return of.segment<3>(half).maxCoeff(); };
+    Vector6 scale;
+    for (Eigen::Index i = 0; i < 6; ++i) {
+        const Eigen::Index half = 3 * (i / 3);
+        const double own_kind = largest(own, half), kind = largest(size, half), other = largest(size, 3 - half);
+        const bool is_rounding = own_kind == 0 && kind <= kRoundingOfOther * other;
+        const bool has_own = own(i) > kRounding * own_kind;
+        const double measure = is_rounding ? other : !has_own && size(i) < kNothing * kind ? kind : size(i);
+        scale(i) = measure > 0 ? 1 / std::sqrt(measure) : 1;
+    }
+    return scale;
+}
+
 }  // namespace
 
 Elimination::Elimination(int frame_count, const std::vector<Link>& links, double least_lever)
@@ -94,73 +118,9 @@ std::optional<Elimination::Fault> Elimination::factor() {
     return std::nullopt;
 }
 
-/// The rows of J that the elimination of a frame has in its hands: those first met here and those passed on to it. `by`: the
-/// motion of the frame itself, then of its neighbours. False if they are too many.
-bool Elimination::gather(const Pivot& pivot, OpenRows& open) const {
-    open.rows.assign(pivot.rigid.begin(), pivot.rigid.end());
-    const auto own = as_row(pivot.rigid.size());
-    Eigen::Index count = own;
-    for (int child : pivot.children) {
-        const OpenRows& passed = passed_[as_size(order_->pivots()[as_size(child)].passed)].open;
-        count += as_row(passed.rows.size());
-        if (count > kMostRows) return false;
-        open.rows.insert(open.rows.end(), passed.rows.begin(), passed.rows.end());
-    }
-    if (count > kMostRows) return false;
-    open.among.setZero(count, count);
-    open.among_size.setZero(count);
-    for (size_t i = 0; i <= pivot.neighbours.size(); ++i) {
-        const int frame = i == 0 ? pivot.frame : pivot.neighbours[i - 1].frame;
-        Rows& by = open.by[i];
-        by.setZero(count, 6);
-        for (Eigen::Index k = 0; k < own; ++k) {
-            const auto row = as_size(open.rows[as_size(k)]);
-            for (int end : {0, 1})
-                if (order_->rows()[row].frames[end] == frame) by.row(k) = rows_[row].by[end].transpose();
-        }
-        Eigen::Index at = own;
-        for (int c : pivot.children) {
-            const Pivot& child = order_->pivots()[as_size(c)];
-            const OpenRows& passed = passed_[as_size(child.passed)].open;
-            const auto rows = as_row(passed.rows.size());
-            for (size_t k = 0; k < child.neighbours.size(); ++k) {
-                if (child.neighbours[k].frame == frame) by.middleRows(at, rows) = passed.by[k];
-            }
-            if (i == 0) {
-                open.among.block(at, at, rows, rows) = passed.among;
-                open.among_size.segment(at, rows) = passed.among_size;
-            }
-            at += rows;
-        }
-    }
-    return true;
-}
-
-/// Units of a pivot's motions: what stood on the diagonal before anything was eliminated. What is left of a motion that
-/// nothing holds is small beside that. A direction without anything of its own is measured by what it got from others,
-/// or, if that is next to nothing, by the other directions of its kind; and if these have no more than rounding (a node that
-/// rigid directions alone keep from turning), by those of the other kind on a lever of a metre.
 Vector6 Elimination::motion_scale(const Pivot& pivot) const {
-    constexpr double kNothing = 1e-6, kRounding = 1e-14, kRoundingOfOther = 1e-16;
     const auto f = as_size(pivot.frame);
-    Vector6 own = own_size_[f];
-    Vector6 size = own.cwiseMax((diagonal_[f].diagonal() - acting_[f]).cwiseAbs());
-    for (Vector6* entries : {&own, &size}) {
-        const double least = least_turning_ * size.head<3>().maxCoeff();
-        for (double& entry : entries->tail<3>())
-            if (entry <= least) entry = 0;
-    }
-    const auto largest = [](const Vector6& of, Eigen::Index half) { return of.segment<3>(half).maxCoeff(); };
-    Vector6 scale;
-    for (Eigen::Index i = 0; i < 6; ++i) {
-        const Eigen::Index half = 3 * (i / 3);
-        const double own_kind = largest(own, half), kind = largest(size, half), other = largest(size, 3 - half);
-        const bool is_rounding = own_kind == 0 && kind <= kRoundingOfOther * other;
-        const bool has_own = own(i) > kRounding * own_kind;
-        const double measure = is_rounding ? other : !has_own && size(i) < kNothing * kind ? kind : size(i);
-        scale(i) = measure > 0 ? 1 / std::sqrt(measure) : 1;
-    }
-    return scale;
+    return scale_of(own_size_[f], own_size_[f].cwiseMax((diagonal_[f].diagonal() - acting_[f]).cwiseAbs()), least_turning_);
 }
 
 /// Beside rows a rotation with next to nothing of its own must drown neither the translation in them, which see both, nor
@@ -237,7 +197,9 @@ void Elimination::fill_in(const Pivot& pivot, int coupling, size_t i, const Matr
 /// frame. Few to begin with; all that can be told apart if that leaves the frame free.
 bool Elimination::factor_general(const Pivot& pivot, Fault& fault) {
     constexpr double kPoor = 1e-9;  // of eigenvalues: what a frame that rows hold too little would leave
-    if (!gather(pivot, open_)) {
+    const auto derivatives = [&](size_t row, int end) -> const Vector6& { return rows_[row].by[end]; };
+    const auto passed_by = [&](const Pivot& before) -> const OpenRows& { return passed_[as_size(before.passed)].open; };
+    if (!open_.gather(*order_, pivot, derivatives, passed_by)) {
         const EliminationOrder::Row& row = order_->rows()[as_size(open_.rows.back())];
         fault = {pivot.frame, -1, row.link, row.index, true};
         return false;

@@ -9,6 +9,7 @@
 #include "core/index.h"
 #include "core/types.h"
 #include "solve/elimination_order.h"
+#include "solve/open_rows.h"
 #include "solve/pivot_block.h"
 
 namespace dttmm::plugin {
@@ -71,24 +72,15 @@ public:
     int rigid_count() const { return as_int(rows_.size()); }
 
     /// Rigid directions to look at in one block at most.
-    static constexpr int kMostRows = 18;
+    static constexpr int kMostRows = OpenRows::kMost;
 
 private:
-    static constexpr int kLargestBlock = 6 + kMostRows;
+    static constexpr int kLargestBlock = OpenRows::kLargestBlock;
     using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kLargestBlock, kLargestBlock>;
-    using Rows = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, kLargestBlock, 6>;
-    using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kLargestBlock, 1>;
-    using Among = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostRows, kMostRows>;
+    using Rows = OpenRows::ByMotion;
+    using Column = OpenRows::Column;
 
     using Pivot = EliminationOrder::Pivot;
-    /// Rows of J in the hands of a pivot, as what has been eliminated before leaves them.
-    struct OpenRows {
-        std::vector<int> rows;
-        std::vector<Rows> by;  ///< motion of the frame at hand, or of each neighbour
-        Among among;           ///< −(compliance between them)
-        Column among_size;  ///< square root of the compliance each would have if nothing rigid were there: what of a row is
-                            ///< far below it is rounding
-    };
     struct General {
         Block inverse;
         std::vector<Rows> gains;  ///< of each neighbour
@@ -100,7 +92,6 @@ private:
         Block gain;
     };
 
-    bool gather(const Pivot& pivot, OpenRows& open) const;
     Vector6 motion_scale(const Pivot& pivot) const;
     Vector6 scale_with_rows(const Pivot& pivot) const;
     template <class Square>

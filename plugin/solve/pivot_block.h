@@ -30,10 +30,10 @@ template <class Square>
 class PivotBlock {
 public:
     static constexpr int kSize = Square::RowsAtCompileTime, kMost = Square::MaxRowsAtCompileTime;
-    Eigen::Matrix<double, kSize, 1, 0, kMost, 1> scale;  ///< the units
+    Eigen::Matrix<double, kSize, 1, 0, kMost, 1> scale;  ///< set before decompose(): one unit of each unknown
 
-    /// smallest: where eigenvalues are to be counted, the share of the largest that the smallest is to be above. Nothing if
-    /// all is well; else the unknown that is at fault.
+    /// smallest: least allowed eigenvalue as share of the largest; nothing: eigenvalues are not counted. Returns the unknown
+    /// at fault; nothing if there is none.
     std::optional<int> decompose(const Square& block, std::optional<double> smallest) {
         constexpr double kSmallestCondition = 1e-13;
         const Eigen::Index n = block.rows();

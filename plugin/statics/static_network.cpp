@@ -31,56 +31,54 @@ StaticNetwork::StaticNetwork(const Mechanism& mechanism, Loading loading)
       ports_(mechanism.assembly.port_count),
       driven_(mechanism.assembly.driven_count),
       count_(mechanism.assembly.inner_count()),
-      loading_(std::move(loading)),
-      loads_(loading_.value_count(), 0.0),
+      acting_{std::move(loading), Vector3::Zero(), {}},
       reach_(as_size(count_), 0.0),
       matrix_(count_, links_inside(mechanism), least_lever(mechanism)) {
+    acting_.loads.assign(acting_.loading.value_count(), 0.0);
     begin();
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
         const auto [from, to] = ends(joint);
-        if (joint.from() < ports_ || joint.to() < ports_) port_joints_.push_back(j);
+        if (joint.from() < ports_ || joint.to() < ports_) at_ports_.joints.push_back(j);
         for (int end : {0, 1})
             if (const int frame = joint.frame(end); is_inner(frame))
                 reach_[at(frame)] = std::max(reach_[at(frame)], joint.arm(end, from, to).norm());
     }
-    at_ports_.resize(port_joints_.size());
-    for (auto* list : {&residual_, &base_residual_}) list->assign(frames_.size(), Vector6::Zero());
-    correction_.assign(as_size(count_), Vector6::Zero());
+    at_ports_.blocks.resize(at_ports_.joints.size());
+    for (auto* list : {&residual_.wrenches, &base_residual_.wrenches}) list->assign(now_.frames.size(), Vector6::Zero());
+    correction_.u.assign(as_size(count_), Vector6::Zero());
     const auto rigid = as_size(matrix_.rigid_count());
-    for (auto* list : {&q_, &base_q_, &kept_q_, &openings_, &base_openings_, &q_correction_}) list->assign(rigid, 0.0);
+    for (auto* list : {&now_.q, &base_.q, &kept_.q, &residual_.openings, &base_residual_.openings, &correction_.q})
+        list->assign(rigid, 0.0);
     port_change_.assign(as_size(ports_), Vector6::Zero());
 }
 
 void StaticNetwork::begin() {
-    frames_.clear();
-    for (const FrameSpec& frame : mechanism_.assembly.frames) frames_.push_back(make_frame(frame.pose));
-    base_ = frames_;
-    std::ranges::fill(q_, 0.0);
+    now_.frames.clear();
+    for (const FrameSpec& frame : mechanism_.assembly.frames) now_.frames.push_back(make_frame(frame.pose));
+    base_.frames = now_.frames;
+    std::ranges::fill(now_.q, 0.0);
     is_predicted_ = false;
     keep();
 }
 
-void StaticNetwork::keep() {
-    kept_ = frames_;
-    kept_q_ = q_;
-}
+void StaticNetwork::keep() { kept_ = now_; }
 
 void StaticNetwork::recall() {
-    frames_ = kept_;
-    q_ = kept_q_;
+    now_ = kept_;
     is_predicted_ = false;
 }
 
 void StaticNetwork::set_loads(const Vector3& gravity, const double* loads) {
-    gravity_ = gravity;
-    for (size_t i = 0; i < loads_.size(); ++i) loads_[i] = loads ? loads[i] : 0;
+    acting_.gravity = gravity;
+    for (size_t i = 0; i < acting_.loads.size(); ++i) acting_.loads[i] = loads ? loads[i] : 0;
 }
 
 Vector6 StaticNetwork::rigid_force(size_t j) const {
     Vector6 force = Vector6::Zero();
     if (count_ == 0) return force;
-    for_each_rigid(mechanism_.joints[j], [&](int i, int d) { force(d) = q_[as_size(matrix_.rigid_begin(as_int(j)) + i)]; });
+    for_each_rigid(mechanism_.joints[j],
+                   [&](int i, int d) { force(d) = now_.q[as_size(matrix_.rigid_begin(as_int(j)) + i)]; });
     return force;
 }
 
@@ -95,7 +93,7 @@ AtRest::Link StaticNetwork::link(size_t j) const {
 
 /// Forces on all frames where they are, and how far rigid directions are open.
 void StaticNetwork::find_residuals() {
-    std::ranges::fill(residual_, Vector6::Zero());
+    std::ranges::fill(residual_.wrenches, Vector6::Zero());
     force_ = noise_ = 0;
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
@@ -103,21 +101,24 @@ void StaticNetwork::find_residuals() {
         const JointPose pose = joint.pose(at_ends);
         const Vector6 x = joint.deformation(pose, at_ends.from, at_ends.to);
         const JointForce force = carried_force(joint, at_ends, resting_force(joint, x).force, rigid_force(j));
-        Joint::add_wrench(force, residual_[as_size(joint.from())].data(), residual_[as_size(joint.to())].data());
+        Joint::add_wrench(force, residual_.wrenches[as_size(joint.from())].data(),
+                          residual_.wrenches[as_size(joint.to())].data());
         force_ = std::max(force_, force.force.norm());
         const double stiffest = joint.law().stiffness.head<3>().maxCoeff();
         if (std::isfinite(stiffest))
             noise_ = std::max(noise_, stiffest * std::numeric_limits<double>::epsilon() *
                                           (at_ends.from.origin().norm() + at_ends.to.origin().norm() + pose.arm.norm()));
         if (count_ > 0)
-            for_each_rigid(joint, [&](int i, int d) { openings_[as_size(matrix_.rigid_begin(as_int(j)) + i)] = x(d); });
+            for_each_rigid(joint,
+                           [&](int i, int d) { residual_.openings[as_size(matrix_.rigid_begin(as_int(j)) + i)] = x(d); });
     }
     for (int i = 0; i < count_; ++i)
-        residual_[as_size(driven_ + i)].head<3>() += mechanism_.assembly.frames[as_size(driven_ + i)].mass * gravity_;
+        residual_.wrenches[as_size(driven_ + i)].head<3>() +=
+            mechanism_.assembly.frames[as_size(driven_ + i)].mass * acting_.gravity;
     for (int f = driven_; f < driven_ + count_; ++f) {
-        if (!loading_.is_on(f)) continue;
-        const Vector6 load = loading_.wrench(f, frames_[as_size(f)], loads_.data());
-        residual_[as_size(f)] += load;
+        if (!acting_.loading.is_on(f)) continue;
+        const Vector6 load = acting_.loading.wrench(f, now_.frames[as_size(f)], acting_.loads.data());
+        residual_.wrenches[as_size(f)] += load;
         force_ = std::max(force_, load.head<3>().norm());
     }
 }
@@ -127,9 +128,9 @@ StaticNetwork::Measure StaticNetwork::measure() const {
     measure.force = force_;
     measure.noise = noise_;
     measure.element = -1;
-    for (size_t i = 0; i < correction_.size(); ++i) {
-        const Vector6& r = residual_[as_size(driven_) + i];
-        const Vector6& u = correction_[i];
+    for (size_t i = 0; i < correction_.u.size(); ++i) {
+        const Vector6& r = residual_.wrenches[as_size(driven_) + i];
+        const Vector6& u = correction_.u[i];
         measure.work += u.dot(r);
         const double moment = reach_[i] > 0 ? r.tail<3>().norm() / reach_[i] : 0;
         measure.residual = std::max({measure.residual, r.head<3>().norm(), moment});
@@ -140,14 +141,14 @@ StaticNetwork::Measure StaticNetwork::measure() const {
         }
         measure.turn = std::max(measure.turn, u.tail<3>().norm());
     }
-    for (size_t p = 0; p < port_change_.size(); ++p) measure.work += port_change_[p].dot(residual_[p]);
-    for (size_t k = 0; k < q_correction_.size(); ++k) measure.work += q_correction_[k] * openings_[k];
+    for (size_t p = 0; p < port_change_.size(); ++p) measure.work += port_change_[p].dot(residual_.wrenches[p]);
+    for (size_t k = 0; k < correction_.q.size(); ++k) measure.work += correction_.q[k] * residual_.openings[k];
     return measure;
 }
 
 Vector6 StaticNetwork::motion_of(int frame) const {
     if (frame < ports_) return port_change_[as_size(frame)];
-    return is_inner(frame) ? correction_[at(frame)] : Vector6(Vector6::Zero());
+    return is_inner(frame) ? correction_.u[at(frame)] : Vector6(Vector6::Zero());
 }
 
 /// The forces of all joints that a share of the correction leads to expect, from where the equations were formed.
@@ -155,7 +156,7 @@ void StaticNetwork::predict_forces(double share) {
     predicted_.resize(mechanism_.joints.size());
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
-        const Ends at_ends{base_[as_size(joint.from())], base_[as_size(joint.to())]};
+        const Ends at_ends{base_.frames[as_size(joint.from())], base_.frames[as_size(joint.to())]};
         const JointPose pose = joint.pose(at_ends);
         const Vector6 x = joint.deformation(pose, at_ends.from, at_ends.to);
         const Vector6 change = change_of_deformation(joint, pose, x, motion_of(joint.from()), motion_of(joint.to()));
@@ -190,8 +191,8 @@ void StaticNetwork::add_joint(size_t j) {
         }
     if (is_inner(joint.from()) && is_inner(joint.to())) matrix_.add_coupling(as_int(j), all.at[0][1]);
     if (joint.from() < ports_ || joint.to() < ports_) {
-        const auto k = std::ranges::lower_bound(port_joints_, j) - port_joints_.begin();
-        at_ports_[as_size(as_int(k))] = all;
+        const auto k = std::ranges::lower_bound(at_ports_.joints, j) - at_ports_.joints.begin();
+        at_ports_.blocks[as_size(as_int(k))] = all;
     }
     if (count_ == 0 || joint.rigid().none()) return;
     const Vector3 theta = x.tail<3>();
@@ -204,7 +205,7 @@ void StaticNetwork::add_joint(size_t j) {
 /// s M of an inner frame, world axes.
 Matrix6 StaticNetwork::resistance_of(int frame) const {
     const FrameSpec& spec = mechanism_.assembly.frames[as_size(frame)];
-    const RowMajor3 R = FrameView(frames_[as_size(frame)]).axes();
+    const RowMajor3 R = FrameView(now_.frames[as_size(frame)]).axes();
     Matrix6 M = Matrix6::Zero();
     M.topLeftCorner<3, 3>().diagonal().setConstant(resistance_ * spec.mass);
     M.bottomRightCorner<3, 3>() = resistance_ * R * spec.inertia * R.transpose();
@@ -214,7 +215,7 @@ Matrix6 StaticNetwork::resistance_of(int frame) const {
 /// What loads on a frame add as they, or their lever arms, turn with it: symmetric part, by central differences.
 Matrix6 StaticNetwork::load_stiffness(int frame) const {
     constexpr double kTurn = 1e-5;
-    const Frame& at_rest = frames_[as_size(frame)];
+    const Frame& at_rest = now_.frames[as_size(frame)];
     Matrix6 K = Matrix6::Zero();
     for (int c = 0; c < 3; ++c) {
         Vector6 difference = Vector6::Zero();
@@ -222,7 +223,7 @@ Matrix6 StaticNetwork::load_stiffness(int frame) const {
             Frame turned = at_rest;
             Eigen::Map<RowMajor3>{turned.rotation} =
                 rotation_from_vector(Vector3(sign * kTurn * Vector3::Unit(c))) * FrameView(at_rest).axes();
-            difference += sign * loading_.wrench(frame, turned, loads_.data());
+            difference += sign * acting_.loading.wrench(frame, turned, acting_.loads.data());
         }
         K.col(3 + c) = -difference / (2 * kTurn);
     }
@@ -231,19 +232,17 @@ Matrix6 StaticNetwork::load_stiffness(int frame) const {
 
 void StaticNetwork::form(Ports ports, double resistance) {
     resistance_ = resistance;
-    for (size_t p = 0; p < as_size(ports_); ++p) frames_[p] = ports[p].copy();
-    base_ = frames_;
-    base_q_ = q_;
+    for (size_t p = 0; p < as_size(ports_); ++p) now_.frames[p] = ports[p].copy();
+    base_ = now_;
     find_residuals();
     base_residual_ = residual_;
-    base_openings_ = openings_;
     for (const bool is_held : {false, true}) {
         matrix_.set_zero();
         for (size_t j = 0; j < mechanism_.joints.size(); ++j) add_joint(j);
         for (int i = 0; i < count_; ++i) {
             const Matrix6 own = matrix_.diagonal(i);
             matrix_.add_diagonal(i, resistance_of(driven_ + i));
-            if (loading_.is_on(driven_ + i)) matrix_.add_acting(i, load_stiffness(driven_ + i));
+            if (acting_.loading.is_on(driven_ + i)) matrix_.add_acting(i, load_stiffness(driven_ + i));
             if (!is_held) continue;
             const double shift = own.topLeftCorner<3, 3>().cwiseAbs().trace(), arm = reach_[as_size(i)],
                          turn = std::max(own.bottomRightCorner<3, 3>().cwiseAbs().trace(), arm * arm * shift);
@@ -260,11 +259,11 @@ void StaticNetwork::form(Ports ports, double resistance) {
 void StaticNetwork::condense(std::span<Vector6> wrench, double* stiffness) {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Eigen::Map<RowMajor> S(stiffness, 6 * ports_, 6 * ports_);
-    for (int p = 0; p < ports_; ++p) wrench[as_size(p)] += base_residual_[as_size(p)];
+    for (int p = 0; p < ports_; ++p) wrench[as_size(p)] += base_residual_.wrenches[as_size(p)];
     // Of a motion of the ports (zero: none) and what the inside does with it: the wrench that it takes from the ports
     const auto add_taken = [&](const auto& port_motion, double sign, const auto& take) {
-        for (size_t k = 0; k < port_joints_.size(); ++k) {
-            const size_t j = port_joints_[k];
+        for (size_t k = 0; k < at_ports_.joints.size(); ++k) {
+            const size_t j = at_ports_.joints[k];
             const Joint& joint = mechanism_.joints[j];
             for (int row : {0, 1}) {
                 if (joint.frame(row) >= ports_) continue;
@@ -272,14 +271,14 @@ void StaticNetwork::condense(std::span<Vector6> wrench, double* stiffness) {
                 for (int end : {0, 1}) {
                     const int frame = joint.frame(end);
                     if (frame < ports_)
-                        force += at_ports_[k].at[row][end] * port_motion(frame);
+                        force += at_ports_.blocks[k].at[row][end] * port_motion(frame);
                     else if (is_inner(frame))
-                        force += at_ports_[k].at[row][end] * correction_[at(frame)];
+                        force += at_ports_.blocks[k].at[row][end] * correction_.u[at(frame)];
                 }
                 if (count_ > 0)
                     for_each_rigid(joint, [&](int i, int) {
                         force +=
-                            matrix_.rigid(as_int(j), i, row) * q_correction_[as_size(matrix_.rigid_begin(as_int(j)) + i)];
+                            matrix_.rigid(as_int(j), i, row) * correction_.q[as_size(matrix_.rigid_begin(as_int(j)) + i)];
                     });
                 take(joint.frame(row), sign * force);
             }
@@ -295,10 +294,10 @@ void StaticNetwork::condense(std::span<Vector6> wrench, double* stiffness) {
     for (int column = 0; column < 6 * ports_; ++column) {
         unit[as_size(column / 6)] = Vector6::Unit(column % 6);
         if (count_ > 0) {
-            std::ranges::fill(correction_, Vector6::Zero());
-            std::ranges::fill(q_correction_, 0.0);
+            std::ranges::fill(correction_.u, Vector6::Zero());
+            std::ranges::fill(correction_.q, 0.0);
             add_port_motion(unit);
-            matrix_.solve(correction_, q_correction_);
+            matrix_.solve(correction_.u, correction_.q);
         }
         add_taken([&](int port) { return unit[as_size(port)]; }, 1,
                   [&](int port, const Vector6& force) { S.block<6, 1>(6 * port, column) += force; });
@@ -308,16 +307,16 @@ void StaticNetwork::condense(std::span<Vector6> wrench, double* stiffness) {
 
 /// Adds what a motion of the ports does to the loads and the openings of the inside.
 void StaticNetwork::add_port_motion(std::span<const Vector6> motion) {
-    for (size_t k = 0; k < port_joints_.size(); ++k) {
-        const size_t j = port_joints_[k];
+    for (size_t k = 0; k < at_ports_.joints.size(); ++k) {
+        const size_t j = at_ports_.joints[k];
         const Joint& joint = mechanism_.joints[j];
         for (int end : {0, 1}) {
             if (joint.frame(end) >= ports_) continue;
             const Vector6& u = motion[as_size(joint.frame(end))];
             const int other = joint.frame(1 - end);
-            if (is_inner(other)) correction_[at(other)] -= at_ports_[k].at[1 - end][end] * u;
+            if (is_inner(other)) correction_.u[at(other)] -= at_ports_.blocks[k].at[1 - end][end] * u;
             for_each_rigid(joint, [&](int i, int) {
-                q_correction_[as_size(matrix_.rigid_begin(as_int(j)) + i)] -= matrix_.rigid(as_int(j), i, end).dot(u);
+                correction_.q[as_size(matrix_.rigid_begin(as_int(j)) + i)] -= matrix_.rigid(as_int(j), i, end).dot(u);
             });
         }
     }
@@ -326,25 +325,25 @@ void StaticNetwork::add_port_motion(std::span<const Vector6> motion) {
 StaticNetwork::Measure StaticNetwork::correct(std::span<const Vector6> port_change) {
     port_change_.assign(port_change.begin(), port_change.end());
     if (count_ > 0) {
-        std::copy(base_residual_.begin() + driven_, base_residual_.end(), correction_.begin());
-        for (size_t k = 0; k < q_correction_.size(); ++k) q_correction_[k] = -base_openings_[k];
+        std::copy(base_residual_.wrenches.begin() + driven_, base_residual_.wrenches.end(), correction_.u.begin());
+        for (size_t k = 0; k < correction_.q.size(); ++k) correction_.q[k] = -base_residual_.openings[k];
         add_port_motion(port_change);
-        matrix_.solve(correction_, q_correction_);
+        matrix_.solve(correction_.u, correction_.q);
     }
     return measure();
 }
 
 StaticNetwork::Measure StaticNetwork::move(Ports ports, double share) {
     predict_forces(share);
-    for (size_t p = 0; p < as_size(ports_); ++p) frames_[p] = ports[p].copy();
+    for (size_t p = 0; p < as_size(ports_); ++p) now_.frames[p] = ports[p].copy();
     for (int i = 0; i < count_; ++i) {
         const auto f = as_size(driven_ + i);
-        const Vector6 u = share * correction_[as_size(i)];
-        Eigen::Map<Vector3>{frames_[f].position} = FrameView(base_[f]).origin() + u.head<3>();
-        Eigen::Map<RowMajor3>{frames_[f].rotation}.noalias() =
-            rotation_from_vector<double>(u.tail<3>()) * FrameView(base_[f]).axes();
+        const Vector6 u = share * correction_.u[as_size(i)];
+        Eigen::Map<Vector3>{now_.frames[f].position} = FrameView(base_.frames[f]).origin() + u.head<3>();
+        Eigen::Map<RowMajor3>{now_.frames[f].rotation}.noalias() =
+            rotation_from_vector<double>(u.tail<3>()) * FrameView(base_.frames[f]).axes();
     }
-    for (size_t k = 0; k < q_.size(); ++k) q_[k] = base_q_[k] + share * q_correction_[k];
+    for (size_t k = 0; k < now_.q.size(); ++k) now_.q[k] = base_.q[k] + share * correction_.q[k];
     find_residuals();
     return measure();
 }

@@ -47,10 +47,10 @@ public:
 
     /// Without anything inside: the wrench on a port, and what every joint at a port adds to the stiffness, function(joint,
     /// blocks).
-    const Vector6& formed_wrench(int port) const { return base_residual_[as_size(port)]; }
+    const Vector6& formed_wrench(int port) const { return base_residual_.wrenches[as_size(port)]; }
     template <class Function>
     void for_each_at_ports(const Function& function) const {
-        for (size_t k = 0; k < port_joints_.size(); ++k) function(port_joints_[k], at_ports_[k]);
+        for (size_t k = 0; k < at_ports_.joints.size(); ++k) function(at_ports_.joints[k], at_ports_.blocks[k]);
     }
 
     /// As dttmm_static.h has it; its element is one of the description.
@@ -61,19 +61,19 @@ public:
     Measure move(Ports ports, double share);
 
     /// On a port where everything is.
-    const Vector6& wrench(int port) const { return residual_[as_size(port)]; }
+    const Vector6& wrench(int port) const { return residual_.wrenches[as_size(port)]; }
     /// Where everything is.
-    const std::vector<Frame>& frames() const { return frames_; }
+    const std::vector<Frame>& frames() const { return now_.frames; }
     /// Forces in the rigid directions of a joint, by its directions.
     Vector6 rigid_force(size_t joint) const;
     AtRest::Link link(size_t joint) const;
     /// 6 per inner node, as set.
-    const std::vector<double>& loads() const { return loads_; }
+    const std::vector<double>& loads() const { return acting_.loads; }
 
 private:
     bool is_inner(int frame) const { return frame >= driven_; }
     size_t at(int frame) const { return as_size(frame - driven_); }
-    Ends ends(const Joint& joint) const { return {frames_[as_size(joint.from())], frames_[as_size(joint.to())]}; }
+    Ends ends(const Joint& joint) const { return {now_.frames[as_size(joint.from())], now_.frames[as_size(joint.to())]}; }
     Vector6 motion_of(int frame) const;
     void predict_forces(double share);
     void add_joint(size_t joint);
@@ -85,23 +85,40 @@ private:
 
     const Mechanism& mechanism_;
     int ports_, driven_, count_;
-    Loading loading_;
-    Vector3 gravity_ = Vector3::Zero();
-    std::vector<double> loads_;
+    /// Loads on the inside.
+    struct Acting {
+        Loading loading;
+        Vector3 gravity = Vector3::Zero();
+        std::vector<double> loads;
+    };
+    Acting acting_;
     std::vector<double> reach_;  ///< of every inner frame [m]
 
-    std::vector<Frame> frames_, base_, kept_;  ///< now; where the equations were formed; where to go back to
-    std::vector<double> q_, base_q_, kept_q_;
+    /// All frames, and the forces of rigid directions.
+    struct Place {
+        std::vector<Frame> frames;
+        std::vector<double> q;
+    };
+    Place now_, base_, kept_;  ///< base_: where the equations were formed; kept_: where to go back to
     std::vector<Vector6> port_change_;
     Elimination matrix_;
     std::vector<Vector6> predicted_;  ///< forces along the deformations, of every joint
     bool is_predicted_ = false;
-    std::vector<EndBlocks> at_ports_;  ///< of every joint at a port
-    std::vector<size_t> port_joints_;
-    std::vector<Vector6> residual_, base_residual_;  ///< on all frames, world, at their origins
-    std::vector<double> openings_, base_openings_;   ///< C
-    std::vector<Vector6> correction_;                ///< of the inner frames
-    std::vector<double> q_correction_;
+    struct AtPorts {
+        std::vector<size_t> joints;
+        std::vector<EndBlocks> blocks;  ///< of these
+    };
+    AtPorts at_ports_;
+    struct Residual {
+        std::vector<Vector6> wrenches;  ///< on all frames, world, at their origins
+        std::vector<double> openings;   ///< C
+    };
+    Residual residual_, base_residual_;
+    struct Correction {
+        std::vector<Vector6> u;  ///< of the inner frames
+        std::vector<double> q;
+    };
+    Correction correction_;
     double force_ = 0, noise_ = 0;
     double resistance_ = 0;
 };

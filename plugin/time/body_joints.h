@@ -14,8 +14,6 @@ public:
     /// Keeps all; the mechanism of the bodies is the same, the blocks are those of its joints.
     BodyJoints(Mechanism& mechanism, const PortBodies& bodies, const PortBlocks& blocks);
 
-    bool has_laws() const { return !with_laws_.empty(); }
-
     /// See Network.
     void linearise(const dttmm_motion* motions, double* wrench, double* stiffness, double* damping) const;
     void start(const dttmm_motion* motions, const double* accelerations);

@@ -121,6 +121,12 @@ Vector6 InnerLoads::massless_part(size_t i, Vector6 wrench) const {
     return wrench;
 }
 
+/// By the same force and lever arm as in the equations of the motion. Another lever arm would drive the motion: let a
+/// lasting load P act on a node at the end of a beam, and let the momentum take the elastic force −P with the arm l_n of the
+/// instant. The motion has (l_{n+1} + 2 l_n + l_{n−1})/4. With θ the turn of the last lump and g = P l its stiffness by the
+/// load,
+///     J (θ_{n+1} − 2θ_n + θ_{n−1})/h² = −g (θ_{n+1} + θ_n + 3θ_{n−1} − θ_{n−2})/4
+/// in place of (θ_{n+1} + 2θ_n + θ_{n−1})/4. That is not symmetric in time: a negative damping in proportion to P.
 void InnerLoads::pass_momenta_on() {
     for (size_t i : inside_.massless.frames()) {
         if (!inside_.is_inner(inside_.receivers[i])) continue;

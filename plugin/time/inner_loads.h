@@ -12,13 +12,7 @@ namespace dttmm::plugin {
 ///
 /// What a massless frame leaves unbalanced over a step by its own rule (MasslessFrames) its receiver takes over, a frame
 /// nearby with a mass, so that no momentum is lost: force and moment about where the frame is at t_n, in the equations of
-/// the motion and in the momentum alike. (Once the momentum had, in place of that, the elastic force on the frame with the
-/// lever arms l of its own instants. Under a lasting load P on a node at the end of a beam that force is −P at every
-/// instant, so the moment on the last lump was l_n × P in the momentum and (l_{n+1} + 2 l_n + l_{n−1})/4 × P in the motion.
-/// With θ the turn of the lump and g = P l its stiffness by the load that is
-///     J (θ_{n+1} − 2θ_n + θ_{n−1})/h² = −g (θ_{n+1} + θ_n + 3θ_{n−1} − θ_{n−2})/4
-/// in place of (θ_{n+1} + 2θ_n + θ_{n−1})/4: not symmetric in time, a negative damping in proportion to P, and a bar at rest
-/// under a pull began to swing.)
+/// the motion and in the momentum alike.
 class InnerLoads {
 public:
     /// Keeps the inside.
@@ -46,7 +40,7 @@ public:
     /// A wrench at a massless frame as its receiver takes it, the frames being where they are given.
     Vector6 passed_on(const std::vector<Frame>& frames, size_t inner, const Vector6& left) const;
 
-    /// Gives to the receivers' momenta what massless frames leave over the step that ends at the trial.
+    /// Adds to the receivers' momenta what massless frames leave over the step that ends at the trial.
     void pass_momenta_on();
     /// After the step: elastic forces on massless frames where the joints' memory is; then the work of the loads, and their
     /// memory.

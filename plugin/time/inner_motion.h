@@ -34,7 +34,7 @@ public:
     /// Whether such a speed is rounding.
     bool is_rounding(double speed) const;
     void forget_port_change() { port_change_.setZero(); }
-    /// Goes to where the last iteration leads to, the ports having gone to where they are given.
+    /// Takes the motion to which the last iteration leads, with the ports as given.
     void go_on(Ports ports);
 
     // Where it ends, with the answer to the ports:
@@ -43,8 +43,8 @@ public:
     /// Of all inner frames, of one.
     void find_motion(std::span<Vector6> motion) const;
     Vector6 motion_of(size_t inner) const { return u[inner] + change[inner] + matrix_.response(inner) * port_change_; }
-    /// The force over the step of Inside::near_joints[near]: from where it was worked out on linear, for the ports want a
-    /// smooth answer, not the rounding of positions times the stiffness.
+    /// The force over the step of Inside::near_joints[near]; after find_rigid_forces(). It goes on linearly from where it
+    /// was worked out. The ports need a smooth answer, not the rounding of positions times the stiffness.
     JointForce near_force(size_t near) const;
 
     std::vector<Vector6> u;        ///< of the inner frames, at which the forces were worked out [m/s, rad/s]

@@ -4,12 +4,12 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numeric>
 #include <utility>
 
-#include "core/rotation.h"
 #include "statics/frame_links.h"
 
 namespace dttmm::plugin {
@@ -47,10 +47,10 @@ Inside::Inside(const Mechanism& whole, const dttmm_network& description, Loading
       massless(whole, massless_halves(whole)),
       balances(whole, massless),
       loading(std::move(all_loads)),
-      ports(whole.assembly.port_count),
-      driven(whole.assembly.driven_count),
-      count(whole.assembly.inner_count()),
       gravity(Eigen::Map<const Vector3>(description.gravity)) {
+    ports = whole.assembly.port_count;
+    driven = whole.assembly.driven_count;
+    count = whole.assembly.inner_count();
     read_nodes(description);
     inertias.reserve(as_size(count));
     inverse_moments.reserve(as_size(count));

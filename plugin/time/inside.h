@@ -14,44 +14,26 @@
 
 namespace dttmm::plugin {
 
-/// What stands inside a network between its ports, to its mechanism what the frames are to the joints: masses, who is next
-/// to whom and which joints do what, which stay as they are; how it moves and what acts on it, from step to step; and where
-/// the open step is tried to end. What the parts of Interior work on, which say what they change.
-struct Inside {
-    /// Throws Error(DTTMM_ERROR_MODEL) naming a massless node that nothing holds in some direction. Keeps the mechanism.
-    Inside(const Mechanism& mechanism, const dttmm_network& description, Loading loading);
-
+/// The frames inside a network, who is next to whom, and how they begin: what stays as it is.
+struct InnerFrames {
     bool is_inner(int frame) const { return frame >= driven; }
-    /// Of an inner frame among these, and back.
+    /// Index of a frame among the inner ones; and the frame of such an index.
     size_t at(int frame) const { return as_size(frame - driven); }
     size_t frame_of(size_t inner) const { return as_size(driven) + inner; }
-    /// Where it is at t_n.
-    FrameView now(size_t inner) const { return mechanism.frames[frame_of(inner)]; }
-    double step_size() const { return mechanism.scheme.step_size(); }
     /// From the first inner frame on, of a list of all frames.
     template <class List>
     auto inner(List& of_all) const {
         return std::span(of_all).subspan(as_size(driven));
     }
-    /// Index of rigid direction number i of a joint among those of all; forces of a joint's rigid directions out of those of
-    /// all, joint axes.
-    size_t rigid_row(size_t joint, int i) const { return massless.rigid_begin(joint) + as_size(i); }
-    Vector6 rigid_values(size_t joint, const std::vector<double>& q) const;
-
-    const Mechanism& mechanism;
-    MasslessFrames massless;
-    InstantBalances balances;  ///< of these
-    Loading loading;
 
     int ports, driven, count;  ///< frames that are ports, ports and ground, and inner ones
-    Vector3 gravity;
 
     // Of every inner frame:
     std::vector<Inertia> inertias;
     std::vector<Matrix3> inverse_moments;  ///< of inertia, axes of the frame; zero where there is none
     std::vector<double> reach;             ///< of its joints from its origin [m], at least its radius of gyration
-    std::vector<double> turn_weight;       ///< its square, and 1 by that: what makes one size of linear and angular motion,
-    std::vector<double> spin_weight;       ///< and of linear and angular momentum; 0: nothing reaches out
+    std::vector<double> turn_weight;       ///< reach²: makes linear and angular velocity comparable
+    std::vector<double> spin_weight;       ///< 1/reach², the same for momentum; 0 where reach is 0
     std::vector<int> receivers;            ///< frame nearby that takes over what a massless one leaves over; −1: none
     std::vector<int> load_of;              ///< index in `loaded`; −1: none
 
@@ -66,15 +48,20 @@ struct Inside {
     };
     std::vector<Given> given;
     std::vector<size_t> loaded;  ///< inner frames that a load may act on, or with a massless half: the others take no load
+};
 
+/// The joints inside a network, sorted by their part in the equations.
+struct InnerJoints {
     std::vector<size_t> port_joints;      ///< of the ports
     std::vector<size_t> near_joints;      ///< whose forces the ports feel
     std::vector<int> near_index;          ///< of every joint among them; −1: it is not
     std::vector<size_t> rigid_joints;     ///< with rigid directions
     std::vector<int> rigid_index;         ///< of every joint among them; −1: it has none
     std::vector<size_t> settling_joints;  ///< of massless frames
+};
 
-    // From step to step
+/// How the inside moves and what acts on it, from step to step.
+struct InnerMemory {
     PastMotion past;
     std::vector<Vector6> momenta;  ///< of every inner frame over the step before t_n, world
     /// What changes for a frame that a load may act on, or with a massless half.
@@ -100,26 +87,6 @@ struct Inside {
     };
     Record record;
 
-    FrameLoad& frame_load(size_t inner) { return frame_loads[as_size(load_of[inner])]; }
-    const FrameLoad& frame_load(size_t inner) const { return frame_loads[as_size(load_of[inner])]; }
-
-    // The open step
-    std::vector<Frame> trial;     ///< all frames where it is tried to end
-    std::vector<double> trial_q;  ///< forces of the rigid directions over it
-    std::vector<Vector6> wrench;  ///< over it, on every frame at its origin at t_n, world
-    /// Of the inner frames: over the step that is committed, each in its axes at t_n. Before that of a unit load or motion,
-    /// with the forces of the rigid directions then.
-    std::vector<Vector6> motion;
-    std::vector<double> motion_q;
-
-    /// Puts the inner frames, moving by u over the step, where it ends, into `trial`.
-    void place(std::span<const Vector6> u);
-    void place(size_t inner, const Vector6& u);
-    /// Room for the steps to come: nothing is allocated later.
-    void make_room_for_steps();
-    /// Index of the element of the frame that moves most.
-    int fastest_element(std::span<const Vector6> u) const;
-
     /// Shows the memory of what changes from step to step, piece by piece, as spans.
     template <class Self, class Visit>
     static void for_each_state(Self& self, const Visit& visit) {
@@ -134,6 +101,50 @@ struct Inside {
         visit(std::span(self.port_u_before));
         visit(std::span(&self.record, 1));
     }
+};
+
+/// Where the open step is tried to end, and room to work in.
+struct InnerTrial {
+    std::vector<Frame> trial;     ///< all frames where it is tried to end
+    std::vector<double> trial_q;  ///< forces of the rigid directions over it
+    std::vector<Vector6> wrench;  ///< over it, on every frame at its origin at t_n, world
+    /// Motion of the inner frames over the committed step, in their axes at t_n. InteriorMatrix uses both lists as working
+    /// memory before that.
+    std::vector<Vector6> motion;
+    std::vector<double> motion_q;
+};
+
+/// The inside of a network: its frames, its joints, their memory and the trial end of the step. The parts of Interior work
+/// on it. Each part says what it changes.
+struct Inside : InnerFrames, InnerJoints, InnerMemory, InnerTrial {
+    /// Throws Error(DTTMM_ERROR_MODEL) naming a massless node that nothing holds in some direction. Keeps the mechanism.
+    Inside(const Mechanism& mechanism, const dttmm_network& description, Loading loading);
+    Inside(const Inside&) = delete;  // its balances keep its massless frames
+    Inside& operator=(const Inside&) = delete;
+
+    const Mechanism& mechanism;
+    MasslessFrames massless;
+    InstantBalances balances;  ///< of these
+    Loading loading;
+    Vector3 gravity;
+
+    double step_size() const { return mechanism.scheme.step_size(); }
+    /// Where an inner frame is at t_n.
+    FrameView now(size_t inner) const { return mechanism.frames[frame_of(inner)]; }
+    /// Index of a joint's i-th rigid direction among all.
+    size_t rigid_row(size_t joint, int i) const { return massless.rigid_begin(joint) + as_size(i); }
+    /// Forces of a joint's rigid directions, taken from `q`, joint axes.
+    Vector6 rigid_values(size_t joint, const std::vector<double>& q) const;
+    FrameLoad& frame_load(size_t inner) { return frame_loads[as_size(load_of[inner])]; }
+    const FrameLoad& frame_load(size_t inner) const { return frame_loads[as_size(load_of[inner])]; }
+
+    /// Puts the inner frames, moving by u over the step, where it ends, into `trial`.
+    void place(std::span<const Vector6> u);
+    void place(size_t inner, const Vector6& u);
+    /// Room for the steps to come: nothing is allocated later.
+    void make_room_for_steps();
+    /// Index of the element of the frame that moves most.
+    int fastest_element(std::span<const Vector6> u) const;
 
 private:
     void read_nodes(const dttmm_network& description);

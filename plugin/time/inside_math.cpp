@@ -47,7 +47,7 @@ void set_rigid_rows(const Mechanism& mechanism, size_t j, const std::vector<Fram
     set_rows(joint, j, joint.pose(frames), joint.rotation(frames.from, frames.to), frames, matrix);
 }
 
-void factor(const Mechanism& mechanism, Elimination& matrix, dttmm_status status) {
+void factor_or_refuse(const Mechanism& mechanism, Elimination& matrix, dttmm_status status) {
     if (const auto fault = matrix.factor()) refuse_singular(mechanism, *fault, status);
 }
 

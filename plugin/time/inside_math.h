@@ -35,7 +35,7 @@ inline Vector6 in_world(FrameView frame, const Vector6& v) {
 inline Ends ends(const Joint& joint, const std::vector<Frame>& at) {
     return {at[as_size(joint.from())], at[as_size(joint.to())]};
 }
-/// By the motion of a frame, its axes.
+/// By the motion of its frame, frame axes.
 Matrix6 mass_matrix(const Inertia& inertia);
 
 /// Columns of [d; relative turn] of a joint at t_n by the motion of its `from` (0) or `to` (1) frame, in that frame's axes.
@@ -52,6 +52,6 @@ void set_rigid_rows(const Mechanism& mechanism, size_t joint, const JointPose& p
 void set_rigid_rows(const Mechanism& mechanism, size_t joint, const std::vector<Frame>& at, Elimination& matrix);
 
 /// Factors it. Throws Error(status) naming what makes it singular.
-void factor(const Mechanism& mechanism, Elimination& matrix, dttmm_status status);
+void factor_or_refuse(const Mechanism& mechanism, Elimination& matrix, dttmm_status status);
 
 }  // namespace dttmm::plugin

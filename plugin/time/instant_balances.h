@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/LU>
-#include <span>
 #include <vector>
 
 #include "time/massless_set.h"

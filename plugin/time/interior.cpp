@@ -45,7 +45,7 @@ Interior::Interior(Mechanism& mechanism, const dttmm_network& description, Loadi
         throw Error(DTTMM_ERROR_MODEL,
                     "it hangs on a node that is no body, or has a mass of its own: that wants the implicit coupling", 0);
     form_dynamic_stiffness(inside_, mechanism.frames, kTrialRate, matrix_.elimination());
-    factor(mechanism, matrix_.elimination(), DTTMM_ERROR_MODEL);
+    factor_or_refuse(mechanism, matrix_.elimination(), DTTMM_ERROR_MODEL);
 }
 
 // ---- The start ----------------------------------------------------------------------------------------------------------
@@ -72,7 +72,18 @@ void Interior::follow(std::span<Vector6> motion) const {
 }
 
 void Interior::start(Ports ports, const double* accelerations, const double* loads, const std::vector<Frame>* at_rest) {
-    InnerStart start = at_rest ? InnerStart(inside_, *at_rest) : InnerStart(inside_, matrix_.elimination(), ports);
+    begin(at_rest ? InnerStart(inside_, *at_rest) : InnerStart(inside_, matrix_.elimination(), ports), ports, accelerations,
+          loads);
+    instant_.form_first_balance();
+    inside_.make_room_for_steps();
+    matrix_.make_room_for_steps();
+    motion_.make_room_for_steps();
+    instant_.make_room_for_steps();
+    refactor();
+}
+
+/// Takes over the start values. `start` is freed on return, before memory for the steps is allocated.
+void Interior::begin(InnerStart start, Ports ports, const double* accelerations, const double* loads) {
     start.refuse_forbidden_velocities();
     mechanism_.frames = start.frames();
     std::ranges::fill(inside_.rigid, 0.0);
@@ -83,12 +94,6 @@ void Interior::start(Ports ports, const double* accelerations, const double* loa
     balance_at_start(start, ports, accelerations);
     for (size_t p = 0; p < inside_.port_u.size(); ++p) inside_.port_u[p] = joined(start.velocity(as_int(p)));
     inside_.port_u_before = inside_.port_u;
-    instant_.form_first_balance();
-    inside_.make_room_for_steps();
-    matrix_.make_room_for_steps();
-    motion_.make_room_for_steps();
-    instant_.make_room_for_steps();
-    refactor();
 }
 
 /// By the forces of the start: the momentum half a step before it, the accelerations and the memory of the joints.

@@ -86,12 +86,13 @@ public:
     /// factor goes with it by refactor(), for the step to come.
     template <class Self, class Visit>
     static void for_each_state(Self& self, const Visit& visit) {
-        Inside::for_each_state(self.inside_, visit);
+        InnerMemory::for_each_state(self.inside_, visit);
         InteriorInstant::for_each_state(self.instant_, visit);
     }
     void refactor();
 
 private:
+    void begin(InnerStart start, Ports ports, const double* accelerations, const double* loads);
     void balance_at_start(const InnerStart& start, Ports ports, const double* accelerations);
     void pass(dttmm_progress& progress);
     void find_lack();

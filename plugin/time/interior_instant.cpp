@@ -54,7 +54,7 @@ void InteriorInstant::form_first_balance() {
     for (size_t i = 0; i < balance.lent.size(); ++i)
         balance.matrix.add_diagonal(as_int(i), mass_matrix(inside_.inertias[i]) + Matrix6(balance.lent[i].asDiagonal()));
     for (size_t j : inside_.rigid_joints) set_rigid_rows(inside_.mechanism, j, inside_.mechanism.before, balance.matrix);
-    factor(inside_.mechanism, balance.matrix, DTTMM_ERROR_SINGULAR);
+    factor_or_refuse(inside_.mechanism, balance.matrix, DTTMM_ERROR_SINGULAR);
 }
 
 /// For massless halves: so that every frame has something. A share of the lightest mass that rigid directions join them to.

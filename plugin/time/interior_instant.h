@@ -98,7 +98,8 @@ public:
     Twist velocity(int frame, const Vector3& offset) const;
     Twist acceleration(int frame, const Vector3& offset) const;
     double kinetic_energy() const;
-    /// Force of a joint's rigid directions, its axes [force; moment]: over the step, and at the instant.
+    /// Force of a joint's rigid directions, its axes [force; moment]: over the step, and at the instant. The first step
+    /// counts half of it: twice that is the force.
     Vector6 rigid_force_over_step(size_t joint) const;
     Vector6 rigid_force(size_t joint) const;
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/rotation.h"
 #include "time/inside_math.h"
 
 namespace dttmm::plugin {
@@ -101,7 +100,7 @@ void InteriorMatrix::form_by(const std::vector<Frame>& at) {
     for (size_t j = 0; j < mechanism.joints.size(); ++j) add_joint(j, blocks(j, at));
     for (size_t j : inside_.rigid_joints) set_rigid_rows(mechanism, j, mechanism.pose(j), mechanism.theta(j), elimination_);
     find_stiffest();
-    factor(mechanism, elimination_, DTTMM_ERROR_SINGULAR);
+    factor_or_refuse(mechanism, elimination_, DTTMM_ERROR_SINGULAR);
     take_factor(at);
 }
 

@@ -24,7 +24,7 @@ public:
     /// Room for the steps to come: nothing is allocated later.
     void make_room_for_steps();
 
-    /// Of the frames inside; an elimination of the same kind may be made of it.
+    /// The factored matrix. Other matrices of the same frames may be copied from it for its pattern.
     Elimination& elimination() { return elimination_; }
     const Elimination& elimination() const { return elimination_; }
 
@@ -42,8 +42,8 @@ public:
     /// What it has most of against the shift of a frame [kg].
     double stiffest() const { return stiffest_; }
 
-    /// Solves in place for a correction from the trial on, of u and of the forces of rigid directions times h, and puts it
-    /// right for directions that have laws. psi: takes what those add, see LawRows.
+    /// Solves in place for the correction of u and of h times the rigid forces. Corrects the result for directions with
+    /// laws. psi: receives their extra forces, see LawRows.
     void solve(std::span<Vector6> change, std::span<double> q_change, std::vector<double>& psi);
     size_t law_count() const { return laws_.count(); }
 
@@ -54,8 +54,8 @@ public:
     const std::vector<double>& responses() const { return responses_; }
     /// The same of the forces of rigid directions, times h.
     const Eigen::MatrixXd& rigid_responses() const { return rigid_responses_; }
-    /// How the force of Inside::near_joints[near] over the step changes as its frames move by u over h, in their axes, and
-    /// the forces of all rigid directions from q to those of the trial.
+    /// Change of the force of Inside::near_joints[near] over the step. u_from, u_to: motion of its frames over h, frame
+    /// axes. q: rigid forces before; Inside::trial_q has those after.
     JointForce near_change(size_t near, const Vector6& u_from, const Vector6& u_to, const std::vector<double>& q,
                            const std::vector<double>& psi) const;
     /// −∂(wrench)/∂(pose of the ports), world: 6P × 6P row-major.

@@ -49,7 +49,7 @@ public:
         return inner < 0 ? -1 : index_[as_size(inner)];
     }
     bool is_massless(size_t frame, int half) const { return index_[frame] >= 0 && has_none(as_size(index_[frame]), half); }
-    /// The same by its index.
+    /// The same, by index in frames().
     bool has_none(size_t i, int half) const { return massless_[i][as_size(half)]; }
     /// Of a joint, its first rigid direction among those of all.
     size_t rigid_begin(size_t joint) const { return rigid_begin_[joint]; }

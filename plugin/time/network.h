@@ -2,11 +2,9 @@
 #pragma once
 
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "core/centring.h"
-#include "core/index.h"
 #include "dttmm_plugin.h"
 #include "mechanism/mechanism.h"
 #include "statics/static_network.h"
@@ -86,10 +84,11 @@ public:
     static void centre(Network& above, Network& below, const Network& middle);
 
     const std::vector<dttmm_channel>& channels() const { return results_.channels(); }
-    /// Where they and the lines are.
+    /// Its channels, and where its lines are.
     NetworkResults& results() { return results_; }
     const NetworkResults& results() const { return results_; }
     void outputs(double* values) const;
+    /// See NetworkResults; at the instant of outputs().
     double* write_lines(uint32_t stations, double* positions) const;
 
     /// What moves inside; null where everything is joints between bodies and ground.

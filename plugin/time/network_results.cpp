@@ -128,8 +128,7 @@ void NetworkResults::declare_reactions(const dttmm_network& description) {
     }
 }
 
-// ---- What is written
-// -------------------------------------------------------------------------------------------------------
+// ---- What is written ---------------------------------------------------------------------------------------------------
 
 void NetworkResults::write(const Instant& instant, double* values) const {
     const size_t elements = mechanism_.assembly.first_joint.size() - 1;

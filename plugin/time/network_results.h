@@ -27,7 +27,8 @@ struct Places {
 /// The channels of a network and what is written to them; and where its lines are.
 class NetworkResults {
 public:
-    /// interior: NULL: nothing moves inside. Keeps all but the description. Before the joints' specifications are dropped.
+    /// interior: NULL: nothing moves inside. Keeps all but the description. Construct it before
+    /// the joint specifications are dropped.
     NetworkResults(const dttmm_network& description, const Places& places, const Mechanism& mechanism,
                    const Interior* interior);
 

@@ -40,13 +40,6 @@ void PortBlocks::set_places() {
     std::iota(places_.begin(), places_.end(), size_t{0});
 }
 
-void PortBlocks::add(size_t joint, const EndBlocks& blocks, double* matrix) const {
-    for (int i : {0, 1})
-        for (int j : {0, 1})
-            if (const int block = of_joints_[joint].at[i][j]; block >= 0)
-                Eigen::Map<RowMajor6>(matrix + 36 * places_[as_size(block)]) += blocks.at[i][j];
-}
-
 void PortBlocks::add_dense(const double* own, double* matrix) const {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     const Eigen::Map<const RowMajor> S(own, 6 * ports_, 6 * ports_);

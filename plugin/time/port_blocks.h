@@ -19,9 +19,14 @@ public:
     /// Where each is in the lists of the host, in their order at first.
     void place(size_t block, size_t at) { places_[block] = at; }
 
-    /// Of blocks of joints: those of one, its `from` frame first.
-    void add(size_t joint, const EndBlocks& blocks, double* matrix) const;
-    /// Of dense ones: a matrix over all ports, row-major. Its numbers.
+    /// Adds the blocks of one joint; only for blocks of joints.
+    void add(size_t joint, const EndBlocks& blocks, double* matrix) const {
+        for (int i : {0, 1})
+            for (int j : {0, 1})
+                if (const int block = of_joints_[joint].at[i][j]; block >= 0)
+                    Eigen::Map<RowMajor6>(matrix + 36 * places_[as_size(block)]) += blocks.at[i][j];
+    }
+    /// Adds a full matrix over all ports, row-major; only for dense blocks. Count of its numbers.
     void add_dense(const double* own, double* matrix) const;
     size_t dense_size() const { return 36 * list_.size(); }
 

@@ -73,7 +73,7 @@ SlowMotion::SlowMotion(const Inside& inside, const Elimination& pattern, const s
     form_dynamic_stiffness(inside, at, kSlowRate, matrix_);
     make_heavier(inside, matrix_);
     hold(matrix_);
-    factor(inside.mechanism, matrix_, DTTMM_ERROR_SINGULAR);
+    factor_or_refuse(inside.mechanism, matrix_, DTTMM_ERROR_SINGULAR);
 }
 
 void SlowMotion::follow(std::span<Vector6> motion, std::span<double> q) const {

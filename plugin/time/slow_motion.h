@@ -14,8 +14,7 @@ namespace dttmm::plugin {
 /// springs, dampers and masses under motions that grow like exp(s t). Forces that act already have no stiffness in it.
 void form_dynamic_stiffness(const Inside& inside, const std::vector<Frame>& at, double rate, Elimination& matrix);
 
-/// How the inside of a network follows motions of its ports so slow that springs alone resist, unless there are only
-/// dampers, or masses.
+/// How the inside follows very slow motions of its ports: by its springs; where there are none, by dampers or masses.
 class SlowMotion {
 public:
     /// With all frames where they are in `at`. pattern: an elimination of the same frames. hold(matrix): adds to it before

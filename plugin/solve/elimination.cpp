@@ -56,6 +56,21 @@ Vector6 scale_of(Vector6 own, Vector6 size, double least_turning) {
     return scale;
 }
 
+/// What an unknown of a pivot's block is: a direction of its frame, or one of the rows of J behind these.
+Elimination::Fault fault_at(const EliminationOrder& order, const EliminationOrder::Pivot& pivot, std::span<const int> rows,
+                            int unknown) {
+    Elimination::Fault fault;
+    fault.frame = pivot.frame;
+    if (unknown < 6) {
+        fault.direction = unknown;
+    } else {
+        const EliminationOrder::Row& row = order.rows()[as_size(rows[as_size(unknown - 6)])];
+        fault.link = row.link;
+        fault.rigid = row.index;
+    }
+    return fault;
+}
+
 }  // namespace
 
 Elimination::Elimination(int frame_count, const std::vector<Link>& links, double least_lever)
@@ -152,15 +167,7 @@ bool Elimination::decompose(const Pivot& pivot, const Square& block, std::span<c
         negatives_ += result.negatives();
         return true;
     }
-    fault = {};
-    fault.frame = pivot.frame;
-    if (*weakest < 6) {
-        fault.direction = *weakest;
-    } else {
-        const EliminationOrder::Row& row = order_->rows()[as_size(rows[as_size(*weakest - 6)])];
-        fault.link = row.link;
-        fault.rigid = row.index;
-    }
+    fault = fault_at(*order_, pivot, rows, *weakest);
     return false;
 }
 

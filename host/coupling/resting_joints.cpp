@@ -11,6 +11,14 @@
 
 namespace dttmm::host {
 
+namespace {
+
+/// Turn of a body in central differences [rad]; shifts are as much of the joint's arm. Of the forces, kJointTurn² = 1e-10 is
+/// neglected and 2e-16/kJointTurn = 2e-11 is rounding.
+constexpr double kJointTurn = 1e-5;
+
+}  // namespace
+
 BodyState moved(const BodyState& from, const Eigen::Matrix<double, 6, 1>& by) {
     BodyState to = from;
     to.position += by.head<3>();
@@ -88,7 +96,6 @@ void RestingJoints::add_stiffness(size_t j, std::vector<BodyState>& at, Triplets
     const JointEquations& joint = equations()[j];
     const Eigen::VectorXd q = reactions(j);
     if (q.isZero(0)) return;
-    constexpr double kTurn = 1e-5;
     for (const auto moving : JointEquations::kSides) {
         const int column_body = joint.bodies()[moving];
         if (column_body < 0) continue;
@@ -96,7 +103,7 @@ void RestingJoints::add_stiffness(size_t j, std::vector<BodyState>& at, Triplets
         const BodyState still = body;
         for (int c = 0; c < 6; ++c) {
             Vector6 by = Vector6::Zero();
-            by(c) = c < 3 ? kTurn * std::max(joint.arm(moving), 1e-3) : kTurn;
+            by(c) = c < 3 ? kJointTurn * std::max(joint.arm(moving), 1e-3) : kJointTurn;
             Vector6 difference[2] = {Vector6::Zero(), Vector6::Zero()};
             for (const double sign : {1.0, -1.0}) {
                 body = moved(still, sign * by);
@@ -170,7 +177,6 @@ RestingJoints::Vector6 RestingJoints::wrench(size_t j, const std::vector<BodySta
 
 /// By central differences: what is neglected and rounding are 1e-10 of the forces.
 Eigen::Matrix<double, 6, 12> RestingJoints::turning(size_t j, const std::vector<BodyState>& start) const {
-    constexpr double kTurn = 1e-5;
     const JointEquations& joint = equations()[j];
     Eigen::Matrix<double, 6, 12> all = Eigen::Matrix<double, 6, 12>::Zero();
     std::vector<BodyState> at = start;
@@ -178,7 +184,7 @@ Eigen::Matrix<double, 6, 12> RestingJoints::turning(size_t j, const std::vector<
         const int body = joint.bodies()[side];
         if (body < 0) continue;
         for (int c = 0; c < 6; ++c) {
-            const double step = c < 3 ? kTurn * std::max(joint.arm(side), 1e-3) : kTurn;
+            const double step = c < 3 ? kJointTurn * std::max(joint.arm(side), 1e-3) : kJointTurn;
             for (const double sign : {1.0, -1.0}) {
                 at[as_size(body)] = moved(start[as_size(body)], sign * step * Vector6::Unit(c));
                 all.col(6 * as_row(size_t{side}) + c) += sign / (2 * step) * wrench(j, at);

@@ -12,8 +12,8 @@ namespace dttmm::host {
 /// A body moved a little by [shift; turn], world axes.
 BodyState moved(const BodyState& from, const Eigen::Matrix<double, 6, 1>& by);
 
-/// The ideal joints of a machine at rest: their equations and forces Jᵀ q beside those of the bodies, and their stops. Where
-/// the bodies are is told to each function.
+/// The ideal joints of a machine at rest: their equations and forces Jᵀ q beside those of the bodies, and their stops. Each
+/// function gets the places of the bodies.
 class RestingJoints {
 public:
     using Vector6 = Eigen::Matrix<double, 6, 1>;

@@ -30,13 +30,19 @@ Mechanism::Mechanism(const dttmm_network& description, std::span<const int> supp
     }
     states.resize(count);
     dampers.resize(as_size(damper_count));
-    frames.reserve(assembly.frames.size());
-    for (const FrameSpec& frame : assembly.frames) frames.push_back(make_frame(frame.pose));
+    frames = described_frames(*this);
     before = frames;
     law_memory_before = law_memory;
     Joint::Strained unused;
     for (size_t j = 0; j < joints.size(); ++j)
         if (joints[j].has_laws()) joints[j].start_laws(ends(j), pose(j), law_memory_of(j), unused);
+}
+
+std::vector<Frame> described_frames(const Mechanism& mechanism) {
+    std::vector<Frame> frames;
+    frames.reserve(mechanism.assembly.frames.size());
+    for (const FrameSpec& frame : mechanism.assembly.frames) frames.push_back(make_frame(frame.pose));
+    return frames;
 }
 
 }  // namespace dttmm::plugin

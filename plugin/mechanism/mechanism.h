@@ -62,4 +62,7 @@ struct Mechanism {
     FrameView frame_before(int index) const { return before[as_size(index)]; }
 };
 
+/// All frames as the network is described.
+std::vector<Frame> described_frames(const Mechanism& mechanism);
+
 }  // namespace dttmm::plugin

@@ -8,12 +8,6 @@
 
 namespace dttmm::plugin {
 
-namespace {
-
-ComplexBlock complex(const Matrix6& block) { return block.cast<Complex>(); }
-
-}  // namespace
-
 Response Response::mixed(double factor, double other_factor, const Response& other) const {
     Response sum = *this;
     for (size_t f = 0; f < motion.size(); ++f) sum.motion[f] = factor * motion[f] + other_factor * other.motion[f];

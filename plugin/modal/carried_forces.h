@@ -26,6 +26,7 @@ struct Carried {
 };
 
 using ComplexBlock = Eigen::Matrix<Complex, 6, 6>;
+inline ComplexBlock complex(const Matrix6& block) { return block.cast<Complex>(); }
 
 /// K (1 + iη) + s C of a bond, materials as at rest; and in a vibration, materials by their rows.
 ComplexBlock stiffness_at_rest(const Bond& bond, Complex s);

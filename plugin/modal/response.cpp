@@ -13,26 +13,23 @@ namespace dttmm::plugin {
 
 namespace {
 
-using Block = ComplexBlock;
 using Sparse = Eigen::SparseMatrix<Complex>;
-
-Block complex(const Matrix6& block) { return block.cast<Complex>(); }
 
 /// K + iω C − ω² M, 6 rows per frame, and the rows of rigid directions behind it, entry by entry.
 class Entries {
 public:
     explicit Entries(int frames) : row_(6 * frames) {}
 
-    void add(int row, int column, const Block& block) {
+    void add(int row, int column, const ComplexBlock& block) {
         if (row < 0 || column < 0) return;
         for (int i = 0; i < 6; ++i)
             for (int j = 0; j < 6; ++j)
                 if (block(i, j) != 0.0) entries_.emplace_back(6 * row + i, 6 * column + j, block(i, j));
     }
-    void join(const Joined& at, const Block& start, const Block& across, const Block& end) {
+    void join(const Joined& at, const ComplexBlock& start, const ComplexBlock& across, const ComplexBlock& end) {
         add(at.from, at.from, at.by_from.transpose() * start * at.by_from);
         add(at.to, at.to, at.by_to.transpose() * end * at.by_to);
-        const Block between = at.by_from.transpose() * across * at.by_to;
+        const ComplexBlock between = at.by_from.transpose() * across * at.by_to;
         add(at.from, at.to, between);
         add(at.to, at.from, between.transpose());
         for (const Rigid& rigid : at.rigid) {
@@ -105,7 +102,7 @@ Eigen::SparseMatrix<Complex> HarmonicSolver::assemble(Complex s, Form form) {
     const Complex inertia = s * s + mass_rate_ * s;
     Entries entries(D_.frame_count());
     for (const Bond& bond : model.bonds) {
-        const Block K = form == Form::steady ? stiffness_of(bond, s.imag()) : stiffness_at_rest(bond, s);
+        const ComplexBlock K = form == Form::steady ? stiffness_of(bond, s.imag()) : stiffness_at_rest(bond, s);
         entries.join(bond, K, -K, K);
         if (!bond.turning) continue;
         const int ends[2] = {bond.from, bond.to};
@@ -131,7 +128,7 @@ Eigen::SparseMatrix<Complex> HarmonicSolver::assemble(Complex s, Form form) {
         entries.join(piece, L->topLeftCorner<6, 6>(), L->topRightCorner<6, 6>(), L->bottomRightCorner<6, 6>());
     }
     for (const Pin& pin : model.pins) {
-        const Block own = inertia / 3.0 * complex(pin.mass), across = 0.5 * own;
+        const ComplexBlock own = inertia / 3.0 * complex(pin.mass), across = 0.5 * own;
         entries.join(pin, own, across, own);
     }
     D_.for_each_mass([&](const FrequencyModel::Mass& mass) {
@@ -234,7 +231,7 @@ void HarmonicSolver::add_supports(const Response& response, Eigen::VectorXcd& r)
     const FrequencyModel& model = D_.model();
     Eigen::Index row = 6 * D_.frame_count();
     // across: force on `from` by the motion of `to`
-    const auto add = [&](const Joined& at, int held_node, const Block& across) {
+    const auto add = [&](const Joined& at, int held_node, const ComplexBlock& across) {
         const bool is_to = at.to < 0;
         const Complex6 ground =
             at.from < 0 || at.to < 0 ? ground_at(model, at, held_node, is_to, response) : Complex6(Complex6::Zero());

@@ -54,8 +54,7 @@ StaticNetwork::StaticNetwork(const Mechanism& mechanism, Loading loading)
 }
 
 void StaticNetwork::begin() {
-    now_.frames.clear();
-    for (const FrameSpec& frame : mechanism_.assembly.frames) now_.frames.push_back(make_frame(frame.pose));
+    now_.frames = described_frames(mechanism_);
     base_.frames = now_.frames;
     std::ranges::fill(now_.q, 0.0);
     is_predicted_ = false;

@@ -29,13 +29,6 @@ std::string text_of(Vector3 velocity, double least) {
 
 }  // namespace
 
-std::vector<Frame> described_frames(const Mechanism& mechanism) {
-    std::vector<Frame> frames;
-    frames.reserve(mechanism.assembly.frames.size());
-    for (const FrameSpec& frame : mechanism.assembly.frames) frames.push_back(make_frame(frame.pose));
-    return frames;
-}
-
 InnerStart::InnerStart(const Inside& inside, const std::vector<Frame>& frames)
     : inside_(inside), frames_(frames), velocities_(frames.size()) {}
 

@@ -9,9 +9,6 @@
 
 namespace dttmm::plugin {
 
-/// All frames as a network is described.
-std::vector<Frame> described_frames(const Mechanism& mechanism);
-
 /// How a network begins: where all its frames are, and their velocities.
 class InnerStart {
 public:

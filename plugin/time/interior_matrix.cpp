@@ -13,7 +13,7 @@ namespace {
 
 /// Share by which a rigid direction may have turned against its frames since the matrix was formed.
 constexpr double kTurnedRows = 0.02;
-/// The same of joints at ports: as k h²/m of a stiff hinge is in the thousands, so is the error of the force they are told.
+/// The same of joints at ports: as k h²/m of a stiff hinge is in the thousands, so is the error of the force on the ports.
 constexpr double kTurnedPorts = 1e-4;
 
 }  // namespace

@@ -78,8 +78,7 @@ void Network::take_up(const double* motion, double* elastic, double* damped) con
     std::vector<Vector6> u = bodies_.gather(motion);
     u.resize(mechanism_.frames.size(), Vector6::Zero());
     if (interior_) interior_->follow(u);
-    std::vector<Frame> at;
-    for (const FrameSpec& frame : mechanism_.assembly.frames) at.push_back(make_frame(frame.pose));
+    const std::vector<Frame> at = described_frames(mechanism_);
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
         const auto f = as_size(joint.from()), t = as_size(joint.to());

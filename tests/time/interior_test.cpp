@@ -331,6 +331,24 @@ TEST(Interior, ASuddenForceOnAMasslessTipIsSecondOrder) {
     EXPECT_NEAR(coarse / fine, 4, 0.6);
 }
 
+// Oracle: momentum is force times time, half a step before the end. A beam flies free; the force is there from the first
+// instant on, at a node without mass, which has had half a step of it before the start.
+TEST(Interior, ASuddenForceOnAMasslessTipIsMomentumFromTheFirstStepOn) {
+    NetworkModel model;
+    model.node("tail", kInner, vec(-0.2, 0.1, 0.3), kTurned);
+    model.node("tip", kInner, vec(0.6, 0.2, 0.1), kOther);
+    model.element("beam", "beam", {"tail", "tip"}, tube(4, 2e-5));
+    const double h = 1e-4;
+    const Vector3 force = vec(3, -2, 5);
+    Journey run(model, h);
+    run.start([&](double) { return std::vector<double>{0, 0, 0, 0, 0, 0, force.x(), force.y(), force.z(), 0, 0, 0}; });
+    for (int n = 1; n <= 40; ++n) {
+        run.step();
+        const Vector3 expected = (n - 0.5) * h * force;
+        EXPECT_LT((run.network().interior()->momentum().linear - expected).norm(), 1e-11 * expected.norm()) << n;
+    }
+}
+
 // Oracle: the same beams on one node in place of two that a hinge, rigid all over, makes one. With dampers beside it the
 // massless nodes balance half way through the steps, and the hinge's force is found there.
 TEST(Interior, ARigidHingeIsNoHinge) {

@@ -15,6 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "loader/build_id.h"
+#include "loader/plugin_library.h"
 #include "model/index.h"
 #include "model/read_joint.h"
 #include "record/results_folder.h"
@@ -173,7 +175,7 @@ Json describe_energy(const Recorder& recorder) {
 
 std::string digest_of(const std::filesystem::path& path) {
     std::ifstream file(from_start(path), std::ios::binary);
-    std::array<char, 1 << 16> block;  // programs are large
+    std::array<char, 1 << 16> block;  // plugins are large
     uint64_t digest = 0, size = 0;
     while (file.read(block.data(), block.size()), file.gcount() > 0) {
         const std::string_view text(block.data(), as_size(file.gcount()));
@@ -265,10 +267,10 @@ void write_model(JsonWriter& out, const Model& model, const ElementCatalogue& ca
 namespace {
 
 /// The program and the plugin that comes with it: another build may give other results under the same version.
-const std::string& digest_of_build() {
-    static const std::string digest =
-        fmt::format("{} {}", digest_of("/proc/self/exe"), digest_of(PluginLibrary::built_in_file()));
-    return digest;
+const std::string& describe_build() {
+    static const std::string build =
+        fmt::format("{} {}", build_id_at(reinterpret_cast<const void*>(&describe_build)), PluginLibrary::built_in_build());
+    return build;
 }
 
 }  // namespace
@@ -281,7 +283,7 @@ Json describe_inputs(const Model& model, const Request& request) {
     for (const std::filesystem::path& file : model.files) files[file.string()] = digest_of(file);
     for (const std::string& plugin : request.plugins) plugins[plugin] = digest_of(plugin);
     return {{"model_text", model.source}, {"options", given},         {"files", files},
-            {"plugins", plugins},         {"version", DTTMM_VERSION}, {"build", digest_of_build()}};
+            {"plugins", plugins},         {"version", DTTMM_VERSION}, {"build", describe_build()}};
 }
 
 Json describe_warnings(const Warnings& warnings) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "loader/plugin_library.h"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include <set>
 #include <span>
 
+#include "loader/build_id.h"
 #include "loader/law_library.h"
 #include "loader/plugin_call.h"
 #include "model/error.h"
@@ -155,10 +155,7 @@ PluginLibrary::PluginLibrary(std::string name, const dttmm_plugin* table, std::s
 
 PluginLibrary PluginLibrary::built_in() { return {"built in", dttmm_plugin_entry(DTTMM_PLUGIN_MAJOR), nullptr}; }
 
-std::filesystem::path PluginLibrary::built_in_file() {
-    Dl_info info{};
-    return ::dladdr(reinterpret_cast<void*>(&dttmm_plugin_entry), &info) && info.dli_fname ? info.dli_fname : "";
-}
+std::string PluginLibrary::built_in_build() { return build_id_at(reinterpret_cast<const void*>(&dttmm_plugin_entry)); }
 
 PluginLibrary PluginLibrary::load(const SharedLibrary& library) {
     const std::string& name = library.name();

@@ -24,8 +24,8 @@ class PluginLibrary {
 public:
     /// The plugin that comes with dttmm.
     static PluginLibrary built_in();
-    /// The file of its code; empty if that cannot be made out.
-    static std::filesystem::path built_in_file();
+    /// Its build ID (build_id.h).
+    static std::string built_in_build();
 
     /// Throws Error(plugin_failure) when the library is without the entry symbol, of another major version, or incomplete.
     static PluginLibrary load(const SharedLibrary& library);

@@ -30,6 +30,18 @@ TEST(Units, DecimalUnitsAreExact) {
     EXPECT_EQ(parse_quantity("7 us", "s"), 7e-6);
 }
 
+// Oracle: UDUNITS, which reads the same unit in brackets: equal to the bit, in value and dimension.
+TEST(Units, UsualOnesAreThoseOfUdunits) {
+    for (const std::vector<std::string>& row : usual_units())
+        for (const std::string& unit : row) {
+            if (unit == "1") continue;  // no unit behind a number
+            const Quantity usual = parse_quantity("1 " + unit), full = parse_quantity("1 (" + unit + ")");
+            EXPECT_EQ(usual.value, full.value) << unit;
+            EXPECT_EQ(usual.unit, full.unit) << unit;
+            EXPECT_EQ(parse_quantity("35 " + unit, row.front()), parse_quantity("35 (" + unit + ")", row.front())) << unit;
+        }
+}
+
 // Oracle: a turn is 2 pi. One rounding in the factor, one in the product: 4e-16 of the value.
 TEST(Units, AnglesAreInRadians) {
     EXPECT_NEAR(parse_quantity("30 deg", "rad"), std::numbers::pi / 6, 2e-16);

@@ -4,6 +4,35 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+namespace dttmm::plugin {
+
+namespace {
+
+/// Of c(φ) = (1 − (φ/2) cot(φ/2))/φ² and its derivative by φ².
+struct HalfCotangent {
+    double value, slope;
+};
+
+HalfCotangent half_cotangent_at(double squared) {
+    if (squared < detail::kSmall)
+        return {detail::half_cotangent(squared),
+                1. / 720 + squared * (1. / 15120 + squared * (1. / 403200 + squared * (1. / 11975040)))};
+    const double angle = std::sqrt(squared), sine = std::sin(0.5 * angle), cotangent = std::cos(0.5 * angle) / sine;
+    const double value = (1 - 0.5 * angle * cotangent) / squared;
+    return {value, ((0.25 * angle / (sine * sine) - 0.5 * cotangent) / angle - 2 * value) / (2 * squared)};
+}
+
+}  // namespace
+
+Matrix3 moment_of_gradient_rate(const Vector3& theta, const Vector3& v) {
+    // J⁻ᵀ v = v + θ × v/2 + c θ × (θ × v)
+    const auto [c, slope] = half_cotangent_at(theta.squaredNorm());
+    const Vector3 once = theta.cross(v), twice = theta.cross(once);
+    return -0.5 * skew(v) - c * (skew(once) + skew(theta) * skew(v)) + 2 * slope * twice * theta.transpose();
+}
+
+}  // namespace dttmm::plugin
+
 namespace dttmm::plugin::detail {
 
 namespace {

@@ -37,6 +37,9 @@ template <class Real = double>
 Vector3Of<Real> moment_of_gradient(const std::type_identity_t<Vector3Of<Real>>& theta,
                                    const std::type_identity_t<Vector3Of<Real>>& v);
 
+/// ∂(J⁻ᵀ(θ) v)/∂θ, column by column. |θ| < 2π.
+Matrix3 moment_of_gradient_rate(const Vector3& theta, const Vector3& v);
+
 /// v turned by θ, exactly exp(θ~) v but for rounding, without making the matrix where θ is small.
 template <class Real = double>
 Vector3Of<Real> turned(const std::type_identity_t<Vector3Of<Real>>& theta, const std::type_identity_t<Vector3Of<Real>>& v);
@@ -49,6 +52,14 @@ template <class Real>
 template <class Real>
 [[gnu::always_inline]] inline Real squared_norm(const Vector3Of<Real>& a) {
     return a.x() * a.x() + a.y() * a.y() + a.z() * a.z();
+}
+
+/// R X Rᵀ, each half of X turned.
+inline Matrix6 rotated(const Matrix3& R, const Matrix6& X) {
+    Matrix6 out;
+    for (const int i : {0, 3})
+        for (const int j : {0, 3}) out.block<3, 3>(i, j).noalias() = R * X.block<3, 3>(i, j) * R.transpose();
+    return out;
 }
 
 // ---- The small angles of every step -------------------------------------------------------------------------------------

@@ -28,6 +28,14 @@ struct ForeshorteningOf {
     bool operator==(const ForeshorteningOf&) const = default;
 };
 using Foreshortening = ForeshorteningOf<double>;
+/// The second derivatives of the elongation by [d; θ], which are constant.
+inline Matrix6 curvature_of(const Foreshortening& line) {
+    Matrix6 C = Matrix6::Zero();
+    C.diagonal() << 0, 2 * line.sway_y, 2 * line.sway_z, 0, -2 * line.bow, -2 * line.bow;
+    C(1, 5) = C(5, 1) = line.mixed;
+    C(2, 4) = C(4, 2) = -line.mixed;
+    return C;
+}
 
 /// The line between two points along which a joint acts.
 struct Axial {

@@ -21,6 +21,7 @@ struct FrameOf {
     static constexpr int kNumbers = 12;
     Real position[3];
     Real rotation[9];
+    bool operator==(const FrameOf&) const = default;
     Eigen::Map<const Vector3Of<Real>> origin() const { return Eigen::Map<const Vector3Of<Real>>(position); }
     Eigen::Map<const RowMajor3Of<Real>> axes() const { return Eigen::Map<const RowMajor3Of<Real>>(rotation); }
 };

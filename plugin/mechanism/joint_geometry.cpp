@@ -159,11 +159,16 @@ Vector6 JointGeometry::stretch(const Vector6& x) const {
 
 // ---- What forces do to the frames ---------------------------------------------------------------------------------------
 
+/// By the rows of G, each in the joint's axes: turned to world before, a spring through the origin of a frame would have a
+/// moment of rounding there.
 EndBlocks JointGeometry::stiffness(const JointPose& pose, const Matrix6& answer) const {
     const Matrix6 G[2] = {by_from(pose), by_to(pose)};
     EndBlocks K;
-    for (int i : {0, 1})
-        for (int j : {0, 1}) K.at[i][j].noalias() = G[i].transpose() * answer * G[j];
+    for (int j : {0, 1}) {
+        const Matrix6 by_end = answer * G[j];
+        for (int i = 0; i <= j; ++i) K.at[i][j].noalias() = G[i].transpose() * by_end;
+    }
+    K.at[1][0] = K.at[0][1].transpose();
     return K;
 }
 
@@ -203,12 +208,7 @@ EndBlocks JointGeometry::acting_stiffness(const JointPose& pose, FrameView from,
     K.at[1][1].bottomRightCorner<3, 3>() = 0.5 * (lF + lF.transpose());
     if (!kind_->springs.is_line) return K;
     // A pull along a line stretches it as it bends and shears
-    const Foreshortening& line = kind_->springs.line;
-    Matrix6 curvature = Matrix6::Zero();  // of the elongation, by d and θ
-    curvature.diagonal() << 0, 2 * line.sway_y, 2 * line.sway_z, 0, -2 * line.bow, -2 * line.bow;
-    curvature(1, 5) = curvature(5, 1) = line.mixed;
-    curvature(2, 4) = curvature(4, 2) = -line.mixed;
-    const EndBlocks stretched = stiffness(pose, pose.axes.col(0).dot(force) * curvature);
+    const EndBlocks stretched = stiffness(pose, pose.axes.col(0).dot(force) * curvature_of(kind_->springs.line));
     for (int i : {0, 1})
         for (int j : {0, 1}) K.at[i][j] += stretched.at[i][j];
     return K;

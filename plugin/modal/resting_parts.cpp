@@ -117,10 +117,10 @@ std::vector<const AtRest::Link*> RestingParts::place(Assembly& assembly) const {
 
 void RestingParts::add_joint(const Joint& joint, const AtRest::Link& link, int from, int to) {
     if (from < 0 && to < 0) return;
-    const Ends at{link.from, link.to};
-    const JointPose pose = joint.pose(at);
-    const Vector6 x = joint.deformation(pose, at.from, at.to);
-    const Vector3 point = at.from.origin() + pose.arm;
+    const PlacedJoint placed(joint, {link.from, link.to});
+    const JointPose& pose = placed.pose;
+    const Vector6& x = placed.x;
+    const Vector3 point = placed.at.from.origin() + pose.arm;
     Bond bond;
     bond.element = joint.element();
     bond.from = from;
@@ -141,12 +141,13 @@ void RestingParts::add_joint(const Joint& joint, const AtRest::Link& link, int f
         bond.held.push_back(bond.axes.col(d));
         bond.hold(rows[0].row(d).transpose(), rows[1].row(d).transpose());
     });
-    EndBlocks turning = turning_stiffness(joint, at, link.force, link.rigid), both_ways;
+    bond.spread = spread_tangent(placed, link.force, link.rigid);
+    const EndBlocks turning = turning_stiffness(placed, link.force, link.rigid, bond.spread);
+    EndBlocks both_ways;
     for (int i : {0, 1})
         for (int k : {0, 1}) both_ways.at[i][k] = 0.5 * (turning.at[i][k] + turning.at[k][i].transpose());
     bond.turning = std::make_shared<const EndBlocks>(both_ways);
-    bond.spread = spread_tangent(joint, at, link.force, link.rigid);
-    bond.turned = joint.turns() ? Vector3(x.tail<3>()) : rotation_vector(joint.attitude(at.from, at.to));
+    bond.turned = joint.turns() ? Vector3(x.tail<3>()) : rotation_vector(joint.attitude(placed.at.from, placed.at.to));
     model_.bonds.push_back(std::move(bond));
 }
 

@@ -32,88 +32,92 @@ Vector6 unloading_tangent(const Joint& joint, const Vector6& x) {
     return tangent;
 }
 
-Vector6 change_of_deformation(const Joint& joint, const JointPose& pose, const Vector6& x, const Vector6& of_from,
-                              const Vector6& of_to) {
-    Vector6 change = joint.by_from(pose) * of_from + joint.by_to(pose) * of_to;
-    change(0) = joint.stretch(x).dot(change);
-    if (joint.turns()) change.tail<3>() = (rotation_vector_rate(x.tail<3>()) * change.tail<3>()).eval();
+Vector6 change_of_deformation(const PlacedJoint& placed, const Vector6& of_from, const Vector6& of_to) {
+    const Joint& joint = placed.joint;
+    Vector6 change = joint.by_from(placed.pose) * of_from + joint.by_to(placed.pose) * of_to;
+    change(0) = joint.stretch(placed.x).dot(change);
+    if (joint.turns()) change.tail<3>() = (rotation_vector_rate(placed.x.tail<3>()) * change.tail<3>()).eval();
     return change;
 }
 
-JointForce carried_force(const Joint& joint, Ends at, const Vector6& force, const Vector6& rigid) {
-    const JointPose pose = joint.pose(at);
-    const Vector6 x = joint.deformation(pose, at.from, at.to);
-    JointForce all = joint.act(pose, x, force);
+JointForce carried_force(const PlacedJoint& placed, const Vector6& force, const Vector6& rigid) {
+    const Joint& joint = placed.joint;
+    JointForce all = joint.act(placed.pose, placed.x, force);
     if (joint.law().rigid.none()) return all;
-    const Vector3 moment =
-        joint.turns() ? moment_of_gradient(x.tail<3>(), Vector3(rigid.tail<3>())) : Vector3(rigid.tail<3>());
-    Vector6 held;
-    held << rigid.head<3>(), moment;
-    all.add(1, pose.act(held));
+    Vector6 held = rigid;
+    if (joint.turns()) held.tail<3>() = moment_of_gradient(placed.x.tail<3>(), rigid.tail<3>());
+    all.add(1, placed.pose.act(held));
     return all;
 }
 
-/// By central differences: with 1e-5 rad what is neglected and rounding are 1e-10 of the forces.
-Matrix6 spread_tangent(const Joint& joint, Ends at, const Vector6& force, const Vector6& rigid) {
-    constexpr double kStep = 1e-5;
+/// The pull N of a line has the gradient N C x across and in rotations, C the curvature of the elongation. Of a gradient g
+/// by θ the moment is J⁻ᵀ g.
+Matrix6 spread_tangent(const PlacedJoint& placed, const Vector6& force, const Vector6& rigid) {
+    const Joint& joint = placed.joint;
     Matrix6 tangent = Matrix6::Zero();
-    if (!joint.turns() && !joint.is_line()) return tangent;
-    const JointPose pose = joint.pose(at);
-    const Vector6 x = joint.deformation(pose, at.from, at.to);
-    const double size = std::max({pose.arm.norm(), pose.lever.norm(), kStep});
-    for (int c = 0; c < 6; ++c) {
-        Vector6 change = (c < 3 ? kStep * size : kStep) * Vector6::Unit(c);
-        const double step = change(c);
-        change(0) = joint.stretch(x).dot(change);
-        if (joint.turns()) change.tail<3>() = (rotation_vector_rate(x.tail<3>()) * change.tail<3>()).eval();
-        for (const double sign : {1.0, -1.0}) {
-            const Vector6 end = x + sign * change;
-            Vector6 all = joint.spread(end, force) + rigid;
-            if (joint.turns())
-                all.tail<3>() += moment_of_gradient(Vector3(end.tail<3>()), Vector3(rigid.tail<3>())) - rigid.tail<3>();
-            tangent.col(c) += sign / (2 * step) * all;
-        }
+    if (!joint.turns()) return tangent;
+    const Vector3 theta = placed.x.tail<3>();
+    Vector6 gradient = force + rigid;
+    if (joint.is_line()) {
+        tangent = force(0) * curvature_of(joint.springs().line);
+        gradient += tangent * placed.x;
     }
+    const Matrix3 inverse_J = rotation_vector_rate(theta);
+    tangent.bottomRows<3>() = (inverse_J.transpose() * tangent.bottomRows<3>()).eval();
+    tangent.bottomRightCorner<3, 3>() += moment_of_gradient_rate(theta, gradient.tail<3>());
+    tangent.rightCols<3>() = (tangent.rightCols<3>() * inverse_J).eval();
     return tangent;
 }
 
-/// By the motion of the `to` end by central differences. The forces are linear in the shifts of frames and smooth in their
-/// turns: with 1e-5 rad both the neglected third derivative and rounding are 1e-10 of the forces. What the `from` end does
-/// follows: forces go with a motion of both ends as a whole.
-EndBlocks turning_stiffness(const Joint& joint, Ends at, const Vector6& force, const Vector6& rigid) {
-    constexpr double kTurn = 1e-5;
-    EndBlocks K;
-    for (auto& row : K.at)
-        for (Matrix6& block : row) block.setZero();
-    if (force.isZero(0) && rigid.isZero(0)) return K;
-    const JointPose pose = joint.pose(at);
-    double size = std::max(pose.arm.norm(), pose.lever.norm());
-    if (joint.is_axial()) size = joint.way(at.from, at.to).norm();
-    if (!(size > 0)) size = 1;
-    for (int c = 0; c < 6; ++c) {
-        const double step = c < 3 ? kTurn * size : kTurn;
-        JointForce difference;
-        for (const double sign : {1.0, -1.0}) {
-            Frame moved = at.to.copy();
-            if (c < 3) {
-                moved.position[c] += sign * step;
-            } else {
-                Eigen::Map<RowMajor3> axes(moved.rotation);
-                axes = (rotation_from_vector(Vector3(sign * step * Vector3::Unit(c - 3))) * axes).eval();
-            }
-            difference.add(sign / (2 * step), carried_force(joint, {at.from, FrameView(moved)}, force, rigid));
-        }
-        K.at[0][1].col(c) << -difference.force, -difference.on_from;
-        K.at[1][1].col(c) << difference.force, difference.on_to;
+namespace {
+
+/// How the force and the moment of a joint at its point change with the pose of an end, world axes. spread: by the relative
+/// motion there, world axes too.
+Matrix6 force_by_end(const PlacedJoint& placed, int end, const Vector3& force, const Vector3& moment,
+                     const Matrix6& spread) {
+    const double sign = end == 0 ? -1 : 1;
+    Matrix6 change = Matrix6::Zero();
+    if (placed.joint.is_axial()) {  // F = n f, δF = f/L (δr − n (n·δr)), r from the first point of its line to the second
+        const Vector3 line = placed.joint.way(placed.at.from, placed.at.to), n = placed.pose.axes.col(0);
+        const Matrix3 across = sign * force.dot(n) / line.norm() * (Matrix3::Identity() - n * n.transpose());
+        change.topRows<3>() << across, -across * skew(placed.joint.arm(end, placed.at.from, placed.at.to));
+        return change;
     }
-    const JointForce now = carried_force(joint, at, force, rigid);
-    const Matrix3 between = skew(at.to.origin() - at.from.origin());
-    for (int row : {0, 1}) {
-        K.at[row][0].leftCols<3>() = -K.at[row][1].leftCols<3>();
-        K.at[row][0].rightCols<3>() = K.at[row][1].leftCols<3>() * between - K.at[row][1].rightCols<3>();
-        const double sign = row == 0 ? 1 : -1;
-        K.at[row][0].topRightCorner<3, 3>() += sign * skew(now.force);
-        K.at[row][0].bottomRightCorner<3, 3>() += sign * skew(row == 0 ? now.on_from : now.on_to);
+    if (!spread.isZero(0)) {
+        change = sign * spread;
+        change.rightCols<3>() -= change.leftCols<3>() * skew(end == 0 ? placed.pose.arm : placed.pose.lever);
+    }
+    if (end == 0) {  // its axes go with the `from` frame
+        change.topRightCorner<3, 3>() -= skew(force);
+        change.bottomRightCorner<3, 3>() -= skew(moment);
+    }
+    return change;
+}
+
+}  // namespace
+
+EndBlocks turning_stiffness(const PlacedJoint& placed, const Vector6& force, const Vector6& rigid, const Matrix6& spread) {
+    const JointForce now = carried_force(placed, force, rigid);
+    const Vector3 arm = placed.joint.arm(0, placed.at.from, placed.at.to), lever = placed.pose.lever,
+                  moment = now.on_to - lever.cross(now.force);
+    const Matrix3 F = skew(now.force);
+    const Matrix6 by_motion = spread.isZero(0) ? spread : rotated(placed.pose.axes, spread);
+    EndBlocks K;
+    for (int end : {0, 1}) {
+        const Matrix6 change = force_by_end(placed, end, now.force, moment, by_motion);
+        K.at[0][end] = -change;
+        K.at[0][end].bottomRows<3>() -= skew(arm) * change.topRows<3>();
+        K.at[1][end] = change;
+        K.at[1][end].bottomRows<3>() += skew(lever) * change.topRows<3>();
+    }
+    // The arms move: that of a line goes with the `from` frame, any other with its point
+    K.at[1][1].bottomRightCorner<3, 3>() += F * skew(lever);
+    if (placed.joint.is_axial()) {
+        K.at[0][0].bottomRightCorner<3, 3>() -= F * skew(arm);
+    } else {
+        K.at[0][0].bottomLeftCorner<3, 3>() -= F;
+        K.at[0][1].bottomLeftCorner<3, 3>() += F;
+        K.at[0][1].bottomRightCorner<3, 3>() -= F * skew(lever);
     }
     return K;
 }

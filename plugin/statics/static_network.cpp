@@ -11,7 +11,6 @@
 #include "core/index.h"
 #include "core/rotation.h"
 #include "statics/frame_links.h"
-#include "statics/resting_joint.h"
 
 namespace dttmm::plugin {
 
@@ -57,7 +56,8 @@ void StaticNetwork::begin() {
     now_.frames = described_frames(mechanism_);
     base_.frames = now_.frames;
     std::ranges::fill(now_.q, 0.0);
-    is_predicted_ = false;
+    predicted_.clear();
+    joints_.clear();
     keep();
 }
 
@@ -65,7 +65,8 @@ void StaticNetwork::keep() { kept_ = now_; }
 
 void StaticNetwork::recall() {
     now_ = kept_;
-    is_predicted_ = false;
+    predicted_.clear();
+    joints_.clear();
 }
 
 void StaticNetwork::set_loads(const Vector3& gravity, const double* loads) {
@@ -83,33 +84,40 @@ Vector6 StaticNetwork::rigid_force(size_t j) const {
 
 AtRest::Link StaticNetwork::link(size_t j) const {
     const Joint& joint = mechanism_.joints[j];
-    const Ends at_ends = ends(joint);
-    const Vector6 x = joint.deformation(joint.pose(at_ends), at_ends.from, at_ends.to);
-    return {at_ends.from.copy(), at_ends.to.copy(), resting_force(joint, x).force, rigid_force(j)};
+    const PlacedJoint placed(joint, ends(joint));
+    return {placed.at.from.copy(), placed.at.to.copy(), resting_force(joint, placed.x).force, rigid_force(j)};
 }
 
 // ---- What lacks ---------------------------------------------------------------------------------------------------------
+
+/// All joints between their frames where these are.
+void StaticNetwork::place_joints() {
+    joints_.clear();
+    for (const Joint& joint : mechanism_.joints) {
+        const PlacedJoint placed(joint, ends(joint));
+        joints_.push_back({placed, resting_force(joint, placed.x)});
+    }
+}
 
 /// Forces on all frames where they are, and how far rigid directions are open.
 void StaticNetwork::find_residuals() {
     std::ranges::fill(residual_.wrenches, Vector6::Zero());
     force_ = noise_ = 0;
-    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
-        const Joint& joint = mechanism_.joints[j];
-        const Ends at_ends = ends(joint);
-        const JointPose pose = joint.pose(at_ends);
-        const Vector6 x = joint.deformation(pose, at_ends.from, at_ends.to);
-        const JointForce force = carried_force(joint, at_ends, resting_force(joint, x).force, rigid_force(j));
+    for (size_t j = 0; j < joints_.size(); ++j) {
+        const auto& [placed, rest] = joints_[j];
+        const Joint& joint = placed.joint;
+        const JointForce force = carried_force(placed, rest.force, rigid_force(j));
         Joint::add_wrench(force, residual_.wrenches[as_size(joint.from())].data(),
                           residual_.wrenches[as_size(joint.to())].data());
         force_ = std::max(force_, force.force.norm());
         const double stiffest = joint.law().stiffness.head<3>().maxCoeff();
         if (std::isfinite(stiffest))
-            noise_ = std::max(noise_, stiffest * std::numeric_limits<double>::epsilon() *
-                                          (at_ends.from.origin().norm() + at_ends.to.origin().norm() + pose.arm.norm()));
+            noise_ = std::max(noise_,
+                              stiffest * std::numeric_limits<double>::epsilon() *
+                                  (placed.at.from.origin().norm() + placed.at.to.origin().norm() + placed.pose.arm.norm()));
         if (count_ > 0)
-            for_each_rigid(joint,
-                           [&](int i, int d) { residual_.openings[as_size(matrix_.rigid_begin(as_int(j)) + i)] = x(d); });
+            for_each_rigid(
+                joint, [&](int i, int d) { residual_.openings[as_size(matrix_.rigid_begin(as_int(j)) + i)] = placed.x(d); });
     }
     for (int i = 0; i < count_; ++i)
         residual_.wrenches[as_size(driven_ + i)].head<3>() +=
@@ -152,30 +160,22 @@ Vector6 StaticNetwork::motion_of(int frame) const {
 
 /// The forces of all joints that a share of the correction leads to expect, from where the equations were formed.
 void StaticNetwork::predict_forces(double share) {
-    predicted_.resize(mechanism_.joints.size());
-    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
-        const Joint& joint = mechanism_.joints[j];
-        const Ends at_ends{base_.frames[as_size(joint.from())], base_.frames[as_size(joint.to())]};
-        const JointPose pose = joint.pose(at_ends);
-        const Vector6 x = joint.deformation(pose, at_ends.from, at_ends.to);
-        const Vector6 change = change_of_deformation(joint, pose, x, motion_of(joint.from()), motion_of(joint.to()));
-        const RestingForce rest = resting_force(joint, x);
-        predicted_[j] = rest.force + share * rest.tangent.cwiseProduct(change);
+    predicted_.clear();
+    for (const auto& [placed, rest] : joints_) {
+        const Vector6 change = change_of_deformation(placed, motion_of(placed.joint.from()), motion_of(placed.joint.to()));
+        predicted_.push_back(rest.force + share * rest.tangent.cwiseProduct(change));
     }
-    is_predicted_ = true;
 }
 
 // ---- The equations ------------------------------------------------------------------------------------------------------
 
 /// Adds a joint to the matrix; what couples ports to the inside is kept apart.
 void StaticNetwork::add_joint(size_t j) {
-    const Joint& joint = mechanism_.joints[j];
-    const Ends at_ends = ends(joint);
-    const JointPose pose = joint.pose(at_ends);
-    const Vector6 x = joint.deformation(pose, at_ends.from, at_ends.to);
-    const RestingForce rest = resting_force(joint, x);
-    const EndBlocks own = joint.stiffness(pose, joint.along(x, rest.tangent)),
-                    turning = turning_stiffness(joint, at_ends, is_predicted_ ? predicted_[j] : rest.force, rigid_force(j));
+    const auto& [placed, rest] = joints_[j];
+    const Joint& joint = placed.joint;
+    const Vector6 &force = predicted_.empty() ? rest.force : predicted_[j], rigid = rigid_force(j);
+    const EndBlocks own = joint.stiffness(placed.pose, joint.along(placed.x, rest.tangent)),
+                    turning = turning_stiffness(placed, force, rigid, spread_tangent(placed, force, rigid));
     for (int end : {0, 1}) {
         if (!is_inner(joint.frame(end))) continue;
         matrix_.add_diagonal(joint.frame(end) - driven_, own.at[end][end]);
@@ -194,8 +194,8 @@ void StaticNetwork::add_joint(size_t j) {
         at_ports_.blocks[as_size(as_int(k))] = all;
     }
     if (count_ == 0 || joint.rigid().none()) return;
-    const Vector3 theta = x.tail<3>();
-    const Matrix6 rows[2] = {rigid_rows(theta, joint.by_from(pose)), rigid_rows(theta, joint.by_to(pose))};
+    const Vector3 theta = placed.x.tail<3>();
+    const Matrix6 rows[2] = {rigid_rows(theta, joint.by_from(placed.pose)), rigid_rows(theta, joint.by_to(placed.pose))};
     for_each_rigid(joint, [&](int i, int d) {
         matrix_.set_rigid(as_int(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
     });
@@ -229,10 +229,20 @@ Matrix6 StaticNetwork::load_stiffness(int frame) const {
     return 0.5 * (K + K.transpose());
 }
 
+/// Joints are placed anew where ports have moved.
+void StaticNetwork::take_ports(Ports ports) {
+    for (size_t p = 0; p < as_size(ports_); ++p) {
+        const Frame port = ports[p].copy();
+        if (!(port == now_.frames[p])) joints_.clear();
+        now_.frames[p] = port;
+    }
+}
+
 void StaticNetwork::form(Ports ports, double resistance) {
     resistance_ = resistance;
-    for (size_t p = 0; p < as_size(ports_); ++p) now_.frames[p] = ports[p].copy();
+    take_ports(ports);
     base_ = now_;
+    if (joints_.empty()) place_joints();
     find_residuals();
     base_residual_ = residual_;
     for (const bool is_held : {false, true}) {
@@ -334,7 +344,7 @@ StaticNetwork::Measure StaticNetwork::correct(std::span<const Vector6> port_chan
 
 StaticNetwork::Measure StaticNetwork::move(Ports ports, double share) {
     predict_forces(share);
-    for (size_t p = 0; p < as_size(ports_); ++p) now_.frames[p] = ports[p].copy();
+    take_ports(ports);
     for (int i = 0; i < count_; ++i) {
         const auto f = as_size(driven_ + i);
         const Vector6 u = share * correction_.u[as_size(i)];
@@ -343,6 +353,7 @@ StaticNetwork::Measure StaticNetwork::move(Ports ports, double share) {
             rotation_from_vector<double>(u.tail<3>()) * FrameView(base_.frames[f]).axes();
     }
     for (size_t k = 0; k < now_.q.size(); ++k) now_.q[k] = base_.q[k] + share * correction_.q[k];
+    place_joints();
     find_residuals();
     return measure();
 }

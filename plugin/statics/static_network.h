@@ -9,6 +9,7 @@
 #include "mechanism/mechanism.h"
 #include "solve/elimination.h"
 #include "statics/at_rest.h"
+#include "statics/resting_joint.h"
 
 namespace dttmm::plugin {
 
@@ -57,7 +58,7 @@ public:
     using Measure = dttmm_static_measure;
     /// Finds the correction of the inside to one of the ports; the frames stay.
     Measure correct(std::span<const Vector6> port_change);
-    /// Takes a share of it from where the equations were formed, with the ports where they are given.
+    /// Takes a share of it from where the equations were formed, once, with the ports where they are given.
     Measure move(Ports ports, double share);
 
     /// On a port where everything is.
@@ -75,6 +76,8 @@ private:
     size_t at(int frame) const { return as_size(frame - driven_); }
     Ends ends(const Joint& joint) const { return {now_.frames[as_size(joint.from())], now_.frames[as_size(joint.to())]}; }
     Vector6 motion_of(int frame) const;
+    void take_ports(Ports ports);
+    void place_joints();
     void predict_forces(double share);
     void add_joint(size_t joint);
     Matrix6 resistance_of(int frame) const;
@@ -102,8 +105,13 @@ private:
     Place now_, base_, kept_;  ///< base_: where the equations were formed; kept_: where to go back to
     std::vector<Vector6> port_change_;
     Elimination matrix_;
-    std::vector<Vector6> predicted_;  ///< forces along the deformations, of every joint
-    bool is_predicted_ = false;
+    /// A joint where its frames are now.
+    struct Resting {
+        PlacedJoint placed;
+        RestingForce force;
+    };
+    std::vector<Resting> joints_;     ///< empty: not placed yet
+    std::vector<Vector6> predicted_;  ///< forces along the deformations, of every joint; empty: those that are
     struct AtPorts {
         std::vector<size_t> joints;
         std::vector<EndBlocks> blocks;  ///< of these

@@ -29,6 +29,21 @@ TEST(Rotation, MatrixToVectorIsTheInverse) {
     }
 }
 
+// Oracle: central differences; angles on both sides of 0.1, where the series end.
+TEST(Rotation, RateOfAMomentOfAGradient) {
+    const Vector3 v(1, -2, 3);
+    for (double angle : {0.0, 1e-3, 0.09, 0.11, 2.0, 4.0}) {
+        const Vector3 theta = angle * kAxis;
+        const Matrix3 rate = moment_of_gradient_rate(theta, v);
+        for (int i = 0; i < 3; ++i) {
+            constexpr double kStep = 1e-5;
+            const Vector3 by = kStep * Vector3::Unit(i);
+            const Vector3 slope = (moment_of_gradient(theta + by, v) - moment_of_gradient(theta - by, v)) / (2 * kStep);
+            EXPECT_LT((rate.col(i) - slope).norm(), 2e-9) << angle;
+        }
+    }
+}
+
 // Oracle: the matrices themselves; angles on both sides of 0.1, where the series end.
 TEST(Rotation, VectorsGoAsByTheMatrices) {
     const Vector3 v(1, -2, 3);

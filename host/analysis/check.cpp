@@ -42,6 +42,9 @@ std::string describe_lowest(const Model& model, const Plugins& plugins, Warnings
     if (model.bodies.size() + model.nodes.size() > kMostChecked)
         return fmt::format("natural frequencies not looked for, as there are more than {} bodies and nodes", kMostChecked);
     ModalMachine machine = make_machine(model, plugins, warnings);
+    constexpr uint32_t kMostFree = 100;  // the shapes of 300 free bodies take minutes
+    if (const uint32_t free = machine.count_free().value_or(0); free > kMostFree)
+        return fmt::format("natural frequencies not looked for, as nothing holds {} motions", free);
     const std::vector<ModalInstance::Mode> modes = machine.find_modes();
     if (!modes.empty() && modes.front().numbers.frequency < 0)
         return fmt::format("it does not rest there for long: a motion grows by a factor of e in {:.4g} s",

@@ -57,11 +57,9 @@ ModalMachine::ModalMachine(const Model& model, ModalDescription description)
                                static_cast<unsigned>(model.nodes[n].fixed.to_ulong())});
 }
 
-std::vector<ModalInstance::Mode> ModalMachine::find_modes() {
-    const ModesSettings& settings = model_.modes;
+std::vector<ModalInstance::Mode> ModalMachine::find_modes(uint32_t count, double below) {
     return tell_place(model_, [&] {
-        const uint32_t found =
-            instance_.find_modes(settings.below ? 0 : static_cast<uint32_t>(settings.count), settings.below.value_or(0));
+        const uint32_t found = instance_.find_modes(count, below);
         std::vector<ModalInstance::Mode> modes;
         for (uint32_t m = 0; m < found; ++m) modes.push_back(instance_.mode(m));
         return modes;

@@ -29,12 +29,20 @@ public:
     ModalMachine(const Model& model, const Plugins& plugins);
     /// About its equilibrium. resting: the model as its networks come to rest.
     ModalMachine(const Model& model, const Model& resting, const Plugins& plugins);
+    ModalMachine(const Model& model, ModalDescription description);
     /// Where it rests; null: it is about the start.
     const RestState* rest() const { return description_.rest(); }
     std::vector<RestLimit> limits_at_rest() const { return description_.limits(); }
 
     /// As the model asks.
-    std::vector<ModalInstance::Mode> find_modes();
+    std::vector<ModalInstance::Mode> find_modes() {
+        return find_modes(model_.modes.below ? 0 : static_cast<uint32_t>(model_.modes.count),
+                          model_.modes.below.value_or(0));
+    }
+    /// All up to `below` [Hz], or if that is 0 the first `count`.
+    std::vector<ModalInstance::Mode> find_modes(uint32_t count, double below);
+    uint32_t count_growing(bool is_held) { return instance_.count_growing(is_held); }
+    std::optional<uint32_t> count_free() { return instance_.count_free(); }
     /// Displacement at a place [6, world].
     Vector6 motion(const ModalPlace& place, const ModalInstance::Mode& mode) const;
     /// The damping that the model gives beside its elements, for what follows; highest: frequency asked for [Hz].
@@ -91,7 +99,6 @@ public:
     const ModalPlace* find(const std::string& name) const;
 
 private:
-    ModalMachine(const Model& model, ModalDescription description);
     Eigen::Matrix<double, 6, 6> by_body(const ModalPlace& place) const;
     Complex6 motion_of_body(int body, const Eigen::Vector3d& point, const ModalInstance::Response& response) const;
 

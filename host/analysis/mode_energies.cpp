@@ -58,6 +58,34 @@ std::string kind_of(const Model& model, const ModeEnergies& energies) {
     return fmt::format("{}: {}", model.bodies[as_size(most - energies.bodies.begin())].name, text);
 }
 
+namespace {
+
+/// The place and direction that move most; of a mode in which nothing is displaced, that turn most.
+std::string where_most(const ModalMachine& machine, const ModalInstance::Mode& mode) {
+    std::string where = "inside";
+    for (const int first : {0, 3}) {
+        double largest = 1e-6;
+        for (const ModalPlace& place : machine.places()) {
+            const ModalMachine::Vector6 u = machine.motion(place, mode);
+            for (int d = first; d < first + 3; ++d) {
+                if (std::abs(u(d)) <= largest * (1 + 1e-6)) continue;
+                largest = std::abs(u(d));
+                where = fmt::format("{}.{}", place.name, direction_names()[as_size(d)]);
+            }
+        }
+        if (largest > 1e-6) break;
+    }
+    return where;
+}
+
+}  // namespace
+
+std::string motion_in_words(const Model& model, const ModalMachine& machine, const ModalInstance::Mode& mode,
+                            const ModeEnergies& energies) {
+    const std::string kind = kind_of(model, energies);
+    return kind.empty() ? where_most(machine, mode) : kind;
+}
+
 std::string energies_table(const Model& model, const std::vector<ModalInstance::Mode>& modes,
                            const std::vector<ModeEnergies>& energies) {
     std::vector<Column> columns = {{"mode", "1"}, {"frequency", "Hz"}, {"energy", ""}, {"of", ""}, {"share", "1"}};

@@ -30,6 +30,10 @@ ModeEnergies energies_of(const Model& model, ModalMachine& machine, const ModalI
 /// are left out. Empty where no body has a half of it.
 std::string kind_of(const Model& model, const ModeEnergies& energies);
 
+/// The same; else the place and direction that move most.
+std::string motion_in_words(const Model& model, const ModalMachine& machine, const ModalInstance::Mode& mode,
+                            const ModeEnergies& energies);
+
 /// energies.csv: a row per mode and body, then per mode and element.
 std::string energies_table(const Model& model, const std::vector<ModalInstance::Mode>& modes,
                            const std::vector<ModeEnergies>& energies);

@@ -34,24 +34,6 @@ constexpr uint32_t kStations = 21;
 constexpr double kSmallestShare = 0.05;
 constexpr size_t kMostShares = 3;
 
-/// The place and direction that move most; of a mode in which nothing is displaced, that turn most.
-std::string where_most(const ModalMachine& machine, const Mode& mode) {
-    std::string where = "inside";
-    for (const int first : {0, 3}) {
-        double largest = 1e-6;
-        for (const ModalPlace& place : machine.places()) {
-            const Vector6 u = machine.motion(place, mode);
-            for (int d = first; d < first + 3; ++d) {
-                if (std::abs(u(d)) <= largest * (1 + 1e-6)) continue;
-                largest = std::abs(u(d));
-                where = fmt::format("{}.{}", place.name, direction_names()[as_size(d)]);
-            }
-        }
-        if (largest > 1e-6) break;
-    }
-    return where;
-}
-
 std::string who_strains(const Model& model, const Mode& mode) {
     std::vector<size_t> order(mode.shares.size());
     std::iota(order.begin(), order.end(), size_t{0});
@@ -175,10 +157,9 @@ void print_modes(const Model& model, const ModalMachine& machine, const std::vec
                "kinetic energy, or moves most", "strain energy");
     for (size_t m = 0; m < modes.size(); ++m) {
         const dttmm_mode& numbers = modes[m].numbers;
-        const std::string kind = kind_of(model, energies[m]);
         fmt::print("{:>4} {:>11} Hz {:>8} {:>10} kg  {:<30} {}\n", m + 1, fmt::format("{:.8g}", numbers.frequency),
                    numbers.multiplicity > 1 ? fmt::format("x{}", numbers.multiplicity) : "",
-                   fmt::format("{:.5g}", numbers.mass), kind.empty() ? where_most(machine, modes[m]) : kind,
+                   fmt::format("{:.5g}", numbers.mass), motion_in_words(model, machine, modes[m], energies[m]),
                    who_strains(model, modes[m]));
     }
 }

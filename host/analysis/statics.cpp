@@ -2,11 +2,13 @@
 #include "analysis/statics.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,6 +17,7 @@
 
 #include "analysis/law_limits.h"
 #include "analysis/modal_session.h"
+#include "analysis/mode_energies.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
 #include "coupling/modal_description.h"
@@ -189,21 +192,17 @@ void print_table(const Model& model, const Vectors& vectors) {
     for (const Joint& joint : model.joints) print_force(joint.name);
 }
 
-/// Whether the machine at rest is stable, by the number of motions that grow from there.
-class Stability {
+/// A machine at rest under a multiple of its forces.
+class Buckling {
 public:
-    Stability(const Model& model, const Plugins& plugins, Simulation& resting)
-        : description_(model, plugins, {&resting.networks(), &resting.equilibrium(), *resting.rest()}) {}
-
-    /// How many motions grow.
-    int count() { return count(1); }
+    explicit Buckling(ModalDescription description) : description_(std::move(description)) {}
 
     /// Load factors at which motions begin to grow, ascending: all forces of the machine at rest count so many times, with
     /// the places and the stiffness that it has there. Each factor is enclosed by two counts.
     std::vector<double> find_factors(int wanted) {
         description_.scale_forces(0);
         ModalInstance instance(description_.plugin(), description_.model());
-        is_held_ = instance.find_modes(1, 0) == 0 || instance.mode(0).numbers.frequency != 0;
+        is_held_ = instance.count_free() == 0;
         constexpr double kLargest = 1e9, kSmallest = 1e-9, kNear = 1e-12;
         double high = 1;
         while (count(high) < wanted && high < kLargest) high *= 4;
@@ -241,12 +240,25 @@ void print_buckling(const std::vector<double>& factors, int wanted) {
                as_int(factors.size()) < wanted ? " (there are no more)" : "");
 }
 
+/// Motions that nothing holds.
+struct FreeMotions {
+    uint32_t count = 0;
+    std::vector<std::string> names;  ///< what moves, as `dttmm modes` says it; none: they are too many
+    /// "nothing holds 2 motions (y 100 %; rz 100 %)"
+    std::string text() const {
+        const std::string motions = fmt::format("nothing holds {}", counted(count, "motion", "motions"));
+        return names.empty() ? motions : fmt::format("{} ({})", motions, fmt::join(names, "; "));
+    }
+};
+
 /// A machine at rest under the loads of one case, or under all.
 struct Found {
     std::string load_case;    ///< empty: the model has none
     std::vector<double> row;  ///< by the channels, without the time
     RestState rest;
     std::optional<int> growing;   ///< motions; none: they cannot be counted
+    std::string why_not_counted;  ///< then
+    FreeMotions free;
     std::vector<double> factors;  ///< at which it buckles
     std::vector<Limit> limits;
 };
@@ -263,15 +275,53 @@ struct Results {
     std::vector<Failure> failures;
 };
 
-/// Counts motions that grow, and finds load factors where they are asked for.
+/// growing: the number of motions that grow. As many shapes as there are free motions take their time: 1500 take minutes.
+FreeMotions find_free(const Model& model, ModalMachine& machine, uint32_t growing) {
+    constexpr uint32_t kMostNamed = 20;
+    FreeMotions free{machine.count_free().value_or(0), {}};
+    if (free.count == 0 || free.count > kMostNamed) return free;
+    const std::vector<ModalInstance::Mode> modes = machine.find_modes(growing + free.count, 0);
+    for (uint32_t m = 0; m < modes.size(); ++m)
+        if (modes[m].numbers.frequency == 0)
+            free.names.push_back(motion_in_words(model, machine, modes[m], energies_of(model, machine, modes[m], m)));
+    return free;
+}
+
+/// Counts motions that grow, names those that nothing holds, and finds load factors where they are asked for.
 void look_at_stability(const Request& request, const Model& model, const Plugins& plugins, Simulation& resting,
                        Found& found) {
+    const auto describe = [&] {
+        return ModalDescription(model, plugins, {&resting.networks(), &resting.equilibrium(), *resting.rest()});
+    };
     try {
-        Stability stability(model, plugins, resting);
-        found.growing = stability.count();
-        if (request.buckling > 0) found.factors = stability.find_factors(request.buckling);
-    } catch (const Error&) {
+        ModalMachine machine(model, describe());
+        const uint32_t growing = machine.count_growing(false);
+        found.growing = as_int(growing);
+        found.free = find_free(model, machine, growing);
+        if (request.buckling > 0) found.factors = Buckling(describe()).find_factors(request.buckling);
+    } catch (const Error& error) {
         if (request.buckling > 0) throw;  // asked for; otherwise the equilibrium stands without it
+        found.why_not_counted = error.what();
+    }
+}
+
+/// What nothing holds in the machine as it is assembled, behind a reason why it does not come to rest.
+std::string free_at_start(const Model& model, const Plugins& plugins) {
+    try {
+        ModalMachine machine(model, plugins);
+        const FreeMotions free = find_free(model, machine, 0);
+        return free.count == 0 ? "" : fmt::format(". In the assembled machine {}", free.text());
+    } catch (const Error&) {
+        return "";  // the reason stands without it
+    }
+}
+
+std::unique_ptr<Simulation> bring_to_rest(const Model& model, const Plugins& plugins) {
+    try {
+        return std::make_unique<Simulation>(model, plugins, Simulation::For::rest);
+    } catch (const Error& error) {
+        if (error.code() != ExitCode::numerical_failure) throw;
+        throw Error(error.code(), error.what() + free_at_start(model, plugins));
     }
 }
 
@@ -286,7 +336,8 @@ Found find_one(const Request& request, const Model& model, const Plugins& plugin
         found.load_case = load_case->name;
     }
     hold(held, time);
-    Simulation simulation(held, plugins);
+    const std::unique_ptr<Simulation> resting = bring_to_rest(held, plugins);
+    Simulation& simulation = *resting;
     simulation.record_to([&](std::span<const double> numbers) {
         if (found.row.empty()) found.row.assign(numbers.begin() + 1, numbers.end());
     });
@@ -404,6 +455,8 @@ void write_summary(JsonWriter& json, const Results& results, const Model& model,
         member("largest_force_n", found.rest.force);
         member("largest_unbalanced_force_n", found.rest.residual);
         if (found.growing) member("growing_motions", *found.growing);
+        if (found.growing) member("free_motions", found.free.count);
+        if (!found.free.names.empty()) member("what_is_free", found.free.names);
         if (request.buckling > 0) member("critical_load_factors", found.factors);
     };
     json.member("format", "dttmm-static/1");
@@ -442,6 +495,13 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
                      fmt::format("{}the equilibrium is unstable: {} from it after the smallest disturbance; \"dttmm modes\" "
                                  "lists them with negative frequencies",
                                  place, counted(as_size(*found.growing), "motion grows", "motions grow")));
+    if (found.free.count > 0)
+        warnings.note("free-motion", fmt::format("{}{}: other equilibria lie along them; this is the one reached from the "
+                                                 "assembled machine",
+                                                 place, found.free.text()));
+    if (!found.why_not_counted.empty())
+        warnings.note("stability-unknown",
+                      fmt::format("{}whether the equilibrium is stable is not known: {}", place, found.why_not_counted));
     warn_limits(found.limits, results.channels,
                 found.load_case.empty() ? "at rest" : fmt::format("at rest in case {}", quote(found.load_case)), warnings);
 }

@@ -308,6 +308,13 @@ uint32_t ModalInstance::count_growing(bool is_held) {
     return count;
 }
 
+std::optional<uint32_t> ModalInstance::count_free() {
+    if (!table_->count_free) return std::nullopt;
+    uint32_t count = 0;
+    ask([&](dttmm_error* error) { return table_->count_free(modal_.get(), &count, error); });
+    return count;
+}
+
 double ModalInstance::bent_at_rest(uint32_t element, bool& is_lumped) const {
     double share = 0;
     int32_t lumped = 0;

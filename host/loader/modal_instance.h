@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <complex>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -81,6 +82,8 @@ public:
     double force_at_start(uint32_t element) const;
     /// Motions that grow. Throws Error(plugin_failure) if the plugin does not count them.
     uint32_t count_growing(bool is_held);
+    /// Motions that nothing holds; nothing: the plugin does not count them.
+    std::optional<uint32_t> count_free();
     /// See dttmm_modal.h.
     double bent_at_rest(uint32_t element, bool& is_lumped) const;
 

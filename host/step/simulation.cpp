@@ -41,7 +41,7 @@ void centre_body(BodyState& above, BodyState& below, const BodyState& middle) {
 
 }  // namespace
 
-Simulation::Simulation(const Model& model, const Plugins& plugins)
+Simulation::Simulation(const Model& model, const Plugins& plugins, For what)
     : model_(model),
       step_size_(model.simulation.step),
       world_(model.bodies, model.joints),
@@ -52,7 +52,7 @@ Simulation::Simulation(const Model& model, const Plugins& plugins)
       instant_(model),
       now_(read_states(world_, model.bodies.size())),
       after_(model.bodies.size()),
-      fastest_(find_fastest_mode(model, networks_, now_)),
+      fastest_(what == For::steps ? find_fastest_mode(model, networks_, now_) : FastestMode{}),
       observer_(model, networks_, end_of_step_.equations().joint_system()) {
     engine_.stops.resize(model.joints.size());
     fastest_turning_.held.resize(model.bodies.size());

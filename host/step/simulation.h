@@ -34,8 +34,10 @@ struct Turning {
 /// last row. The model and the plugins must outlive it.
 class Simulation {
 public:
+    /// What it is for: a machine that only rests has no fastest_mode().
+    enum class For : unsigned char { steps, rest };
     /// Throws Error(model_invalid) with the place in the file when a plugin refuses a network.
-    Simulation(const Model& model, const Plugins& plugins);
+    Simulation(const Model& model, const Plugins& plugins, For what = For::steps);
 
     /// Takes one row of numbers, one per channel.
     using RowSink = std::function<void(std::span<const double>)>;

@@ -339,6 +339,10 @@ dttmm_status count_growing(dttmm_modal* modal, int32_t is_held, uint32_t* count,
     return guard(error, [&] { *count = static_cast<uint32_t>(modal->analysis.count_growing(is_held != 0)); });
 }
 
+dttmm_status count_free(dttmm_modal* modal, uint32_t* count, dttmm_error* error) {
+    return guard(error, [&] { *count = static_cast<uint32_t>(modal->analysis.count_free()); });
+}
+
 dttmm_plugin& table();
 
 dttmm_status add_law(const dttmm_law* law, const dttmm_law* volatile* at_work, dttmm_error* error) {
@@ -377,7 +381,8 @@ const void* extension(const char* name) {
                                                  bent_at_rest,
                                                  count_growing,
                                                  strain_directions,
-                                                 overall_matrix};
+                                                 overall_matrix,
+                                                 count_free};
     static constexpr dttmm_response_table kResponse = {
         sizeof(dttmm_response_table), respond, is_axial, find_damped, damped_mode, set_damping};
     static constexpr dttmm_state_table kState = {sizeof(dttmm_state_table), state_size, save_state, restore_state};

@@ -14,8 +14,15 @@
 namespace dttmm::plugin {
 
 ModalAnalysis::ModalAnalysis(const dttmm_modal_model& model, const AtRest* rest)
-    : model_(model, rest), stiffness_(model_), harmonic_(stiffness_), topology_(model_) {
-    if (!rest) add_geometric_stiffness(model_);
+    : model_(model, rest), stiffness_(model_), harmonic_(stiffness_) {
+    if (rest) return;
+    topology_.emplace(model_);
+    add_geometric_stiffness(model_);
+}
+
+const OverallTransfer& ModalAnalysis::topology() {
+    if (!topology_) topology_.emplace(model_);
+    return *topology_;
 }
 
 double ModalAnalysis::bent_at_rest(size_t element, bool& is_lumped) const {
@@ -38,7 +45,7 @@ size_t ModalAnalysis::find_modes(uint32_t count, double below) {
 double ModalAnalysis::overall_residual(const Mode& mode) const {
     constexpr double kBeside = 1e-3;
     const double omega = mode.omega, beside = omega > 0 ? omega * (1 + kBeside) : kBeside * std::max(mode.cut, 1.0);
-    return topology_.residual(omega * omega, beside * beside);
+    return topology_->residual(omega * omega, beside * beside);
 }
 
 const Mode& ModalAnalysis::mode_at(uint32_t index) const {
@@ -135,13 +142,13 @@ void ModalAnalysis::require_overall() const {
 OverallTransfer::Written ModalAnalysis::overall_matrix(double frequency) const {
     require_overall();
     const double omega = 2 * M_PI * frequency;
-    return topology_.written(omega * omega);
+    return topology_->written(omega * omega);
 }
 
 OverallTransfer::Check ModalAnalysis::overall(double frequency) {
     require_overall();
     const double omega = 2 * M_PI * frequency;
-    return topology_.check(omega * omega, 1.002 * omega * omega);
+    return topology_->check(omega * omega, 1.002 * omega * omega);
 }
 
 double ModalAnalysis::along(uint32_t index, uint32_t element, uint32_t count, double* shape) {

@@ -40,7 +40,7 @@ public:
     OverallTransfer::Check overall(double frequency);
     /// Throws the same.
     OverallTransfer::Written overall_matrix(double frequency) const;
-    const OverallTransfer& topology() const { return topology_; }
+    const OverallTransfer& topology();
     /// See dttmm_response.h; frequency [Hz]. Throws Error(DTTMM_ERROR_SINGULAR) where nothing bounds the response: at 0 Hz
     /// where a machine that is free to move is moved as a whole. Of one that is not moved, the response is the limit of low
     /// frequencies, to 1e-9 of itself.
@@ -52,13 +52,14 @@ public:
 
     /// See dttmm_modal.h.
     int count_growing(bool is_held) { return ModeFinder(stiffness_).count_growing(is_held); }
+    int count_free() { return ModeFinder(stiffness_).count_free(); }
     double bent_at_rest(size_t element, bool& is_lumped) const;
     double force_at_start(size_t element) const { return model_.force_at_start(element); }
 
 private:
     /// Where paths are short enough for products of transfer matrices; these know no forces at rest.
     void require_overall() const;
-    bool has_overall() const { return topology_.is_short() && model_.pins.empty() && !model_.is_at_rest; }
+    bool has_overall() const { return !model_.is_at_rest && model_.pins.empty() && topology_->is_short(); }
     void cut_and_damp(double cut, double modes_below);
     std::vector<Response> respond_at_rest(int free, const std::vector<Drive>& cases);
     std::vector<Drive> drives(std::span<const std::span<const dttmm_harmonic>> cases) const;
@@ -78,7 +79,7 @@ private:
     std::optional<ModalDamping> damping_;  ///< of the modes below damped_below_
     double damped_below_ = 0;
     std::vector<DampedMode> damped_;
-    OverallTransfer topology_;
+    std::optional<OverallTransfer> topology_;  ///< of a machine at rest once it is asked for
     std::vector<Mode> modes_;
     bool is_stable_ = false;  ///< it was found that nothing grows
     long at_ = -1;            ///< mode that the model stands at; −1: none

@@ -117,6 +117,11 @@ int ModeFinder::count_growing(bool is_held) {
     throw Error(DTTMM_ERROR_NUMERIC, "the motions that grow cannot be counted");
 }
 
+int ModeFinder::count_free() {
+    const int growing = count_growing(false);
+    return count_rigid() - growing;
+}
+
 int ModeFinder::count_rigid() {
     stiffness_.cut(0);
     return count_at(lowest_for(0));

@@ -45,7 +45,8 @@ public:
     std::vector<Mode> find_first(int count);
     /// The number of motions that grow; of a machine without rigid-body modes that of its static stiffness, to rounding.
     int count_growing(bool is_held);
-    /// The number of rigid-body modes.
+    /// The number of rigid-body modes, and of those and motions that grow.
+    int count_free();
     int count_rigid();
 
 private:

@@ -6,6 +6,7 @@
 #include <exception>
 #include <optional>
 
+#include "analysis/free_motions.h"
 #include "analysis/machine_table.h"
 #include "analysis/modal_machine.h"
 #include "analysis/modal_session.h"
@@ -37,14 +38,22 @@ bool is_for_modes_only(const Request& request, const Plugins& plugins) {
     return false;
 }
 
+/// None where they cannot be counted: the search for modes then says why.
+uint32_t count_free(ModalMachine& machine) {
+    try {
+        return machine.count_free().value_or(0);
+    } catch (const Error&) {
+        return 0;
+    }
+}
+
 /// The lowest natural frequency above zero, in words. Throws Error where there are no modes.
 std::string describe_lowest(const Model& model, const Plugins& plugins, Warnings& warnings) {
     if (model.bodies.size() + model.nodes.size() > kMostChecked)
         return fmt::format("natural frequencies not looked for, as there are more than {} bodies and nodes", kMostChecked);
     ModalMachine machine = make_machine(model, plugins, warnings);
-    constexpr uint32_t kMostFree = 100;  // the shapes of 300 free bodies take minutes
-    if (const uint32_t free = machine.count_free().value_or(0); free > kMostFree)
-        return fmt::format("natural frequencies not looked for, as nothing holds {} motions", free);
+    if (const uint32_t free = count_free(machine); free > FreeMotions::kMostQuick)
+        return fmt::format("natural frequencies not looked for, as {}", FreeMotions{free, {}, false}.text());
     const std::vector<ModalInstance::Mode> modes = machine.find_modes();
     if (!modes.empty() && modes.front().numbers.frequency < 0)
         return fmt::format("it does not rest there for long: a motion grows by a factor of e in {:.4g} s",

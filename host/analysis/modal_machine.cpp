@@ -66,6 +66,14 @@ std::vector<ModalInstance::Mode> ModalMachine::find_modes(uint32_t count, double
     });
 }
 
+uint32_t ModalMachine::count_growing(bool is_held) {
+    return tell_place(model_, [&] { return instance_.count_growing(is_held); });
+}
+
+std::optional<uint32_t> ModalMachine::count_free() {
+    return tell_place(model_, [&] { return instance_.count_free(); });
+}
+
 /// Of a place on a body by the motion of its centre of mass, in the directions that the model leaves.
 Eigen::Matrix<double, 6, 6> ModalMachine::by_body(const ModalPlace& place) const {
     const Body& body = model_.bodies[as_size(place.body)];

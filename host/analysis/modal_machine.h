@@ -41,8 +41,8 @@ public:
     }
     /// All up to `below` [Hz], or if that is 0 the first `count`.
     std::vector<ModalInstance::Mode> find_modes(uint32_t count, double below);
-    uint32_t count_growing(bool is_held) { return instance_.count_growing(is_held); }
-    std::optional<uint32_t> count_free() { return instance_.count_free(); }
+    uint32_t count_growing(bool is_held);
+    std::optional<uint32_t> count_free();
     /// Displacement at a place [6, world].
     Vector6 motion(const ModalPlace& place, const ModalInstance::Mode& mode) const;
     /// The damping that the model gives beside its elements, for what follows; highest: frequency asked for [Hz].

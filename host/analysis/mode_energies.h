@@ -30,7 +30,7 @@ ModeEnergies energies_of(const Model& model, ModalMachine& machine, const ModalI
 /// are left out. Empty where no body has a half of it.
 std::string kind_of(const Model& model, const ModeEnergies& energies);
 
-/// The same; else the place and direction that move most.
+/// kind_of(); where no body has half of the kinetic energy, the place and direction that move most.
 std::string motion_in_words(const Model& model, const ModalMachine& machine, const ModalInstance::Mode& mode,
                             const ModeEnergies& energies);
 

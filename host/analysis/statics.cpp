@@ -2,7 +2,6 @@
 #include "analysis/statics.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,9 +14,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "analysis/free_motions.h"
 #include "analysis/law_limits.h"
 #include "analysis/modal_session.h"
-#include "analysis/mode_energies.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
 #include "coupling/modal_description.h"
@@ -202,7 +201,7 @@ public:
     std::vector<double> find_factors(int wanted) {
         description_.scale_forces(0);
         ModalInstance instance(description_.plugin(), description_.model());
-        is_held_ = instance.count_free() == 0;
+        is_held_ = instance.count_free().value_or(1) == 0;  // not known: as if something were free
         constexpr double kLargest = 1e9, kSmallest = 1e-9, kNear = 1e-12;
         double high = 1;
         while (count(high) < wanted && high < kLargest) high *= 4;
@@ -240,26 +239,16 @@ void print_buckling(const std::vector<double>& factors, int wanted) {
                as_int(factors.size()) < wanted ? " (there are no more)" : "");
 }
 
-/// Motions that nothing holds.
-struct FreeMotions {
-    uint32_t count = 0;
-    std::vector<std::string> names;  ///< what moves, as `dttmm modes` says it; none: they are too many
-    /// "nothing holds 2 motions (y 100 %; rz 100 %)"
-    std::string text() const {
-        const std::string motions = fmt::format("nothing holds {}", counted(count, "motion", "motions"));
-        return names.empty() ? motions : fmt::format("{} ({})", motions, fmt::join(names, "; "));
-    }
-};
-
 /// A machine at rest under the loads of one case, or under all.
 struct Found {
     std::string load_case;    ///< empty: the model has none
     std::vector<double> row;  ///< by the channels, without the time
     RestState rest;
-    std::optional<int> growing;   ///< motions; none: they cannot be counted
-    std::string why_not_counted;  ///< then
-    FreeMotions free;
-    std::vector<double> factors;  ///< at which it buckles
+    std::optional<int> growing;       ///< motions; none: they cannot be counted
+    std::string why_not_counted;      ///< why they cannot
+    std::optional<FreeMotions> free;  ///< none: not known
+    std::string why_free_unknown;     ///< empty: the plugin does not tell
+    std::vector<double> factors;      ///< at which it buckles
     std::vector<Limit> limits;
 };
 
@@ -275,42 +264,36 @@ struct Results {
     std::vector<Failure> failures;
 };
 
-/// growing: the number of motions that grow. As many shapes as there are free motions take their time: 1500 take minutes.
-FreeMotions find_free(const Model& model, ModalMachine& machine, uint32_t growing) {
-    constexpr uint32_t kMostNamed = 20;
-    FreeMotions free{machine.count_free().value_or(0), {}};
-    if (free.count == 0 || free.count > kMostNamed) return free;
-    const std::vector<ModalInstance::Mode> modes = machine.find_modes(growing + free.count, 0);
-    for (uint32_t m = 0; m < modes.size(); ++m)
-        if (modes[m].numbers.frequency == 0)
-            free.names.push_back(motion_in_words(model, machine, modes[m], energies_of(model, machine, modes[m], m)));
-    return free;
-}
-
 /// Counts motions that grow, names those that nothing holds, and finds load factors where they are asked for.
 void look_at_stability(const Request& request, const Model& model, const Plugins& plugins, Simulation& resting,
                        Found& found) {
     const auto describe = [&] {
         return ModalDescription(model, plugins, {&resting.networks(), &resting.equilibrium(), *resting.rest()});
     };
+    std::optional<ModalMachine> machine;
     try {
-        ModalMachine machine(model, describe());
-        const uint32_t growing = machine.count_growing(false);
-        found.growing = as_int(growing);
-        found.free = find_free(model, machine, growing);
-        if (request.buckling > 0) found.factors = Buckling(describe()).find_factors(request.buckling);
+        machine.emplace(model, describe());
+        found.growing = as_int(machine->count_growing(false));
     } catch (const Error& error) {
         if (request.buckling > 0) throw;  // asked for; otherwise the equilibrium stands without it
         found.why_not_counted = error.what();
+        return;
     }
+    try {
+        found.free = find_free(model, *machine);
+    } catch (const Error& error) {
+        found.why_free_unknown = error.what();
+    }
+    if (request.buckling > 0) found.factors = Buckling(describe()).find_factors(request.buckling);
 }
 
 /// What nothing holds in the machine as it is assembled, behind a reason why it does not come to rest.
-std::string free_at_start(const Model& model, const Plugins& plugins) {
+std::string free_at_start(const Model& model, const Plugins& plugins, std::string_view reason) {
     try {
         ModalMachine machine(model, plugins);
-        const FreeMotions free = find_free(model, machine, 0);
-        return free.count == 0 ? "" : fmt::format(". In the assembled machine {}", free.text());
+        const std::optional<FreeMotions> free = find_free(model, machine);
+        if (!free || free->count == 0) return "";
+        return fmt::format("{} In the assembled machine {}", reason.ends_with('?') ? "" : ".", free->text());
     } catch (const Error&) {
         return "";  // the reason stands without it
     }
@@ -321,7 +304,7 @@ std::unique_ptr<Simulation> bring_to_rest(const Model& model, const Plugins& plu
         return std::make_unique<Simulation>(model, plugins, Simulation::For::rest);
     } catch (const Error& error) {
         if (error.code() != ExitCode::numerical_failure) throw;
-        throw Error(error.code(), error.what() + free_at_start(model, plugins));
+        throw Error(error.code(), error.what() + free_at_start(model, plugins, error.what()));
     }
 }
 
@@ -455,8 +438,8 @@ void write_summary(JsonWriter& json, const Results& results, const Model& model,
         member("largest_force_n", found.rest.force);
         member("largest_unbalanced_force_n", found.rest.residual);
         if (found.growing) member("growing_motions", *found.growing);
-        if (found.growing) member("free_motions", found.free.count);
-        if (!found.free.names.empty()) member("what_is_free", found.free.names);
+        if (found.free) member("free_motions", found.free->count);
+        if (found.free && !found.free->names.empty()) member("what_is_free", found.free->names);
         if (request.buckling > 0) member("critical_load_factors", found.factors);
     };
     json.member("format", "dttmm-static/1");
@@ -495,13 +478,16 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
                      fmt::format("{}the equilibrium is unstable: {} from it after the smallest disturbance; \"dttmm modes\" "
                                  "lists them with negative frequencies",
                                  place, counted(as_size(*found.growing), "motion grows", "motions grow")));
-    if (found.free.count > 0)
-        warnings.note("free-motion", fmt::format("{}{}: other equilibria lie along them; this is the one reached from the "
-                                                 "assembled machine",
-                                                 place, found.free.text()));
+    if (found.free && found.free->count > 0)
+        warnings.note("free-motion", fmt::format("{}{}: small motions there meet no force, so that there may be other "
+                                                 "equilibria nearby",
+                                                 place, found.free->text()));
+    if (!found.why_free_unknown.empty())
+        warnings.note("free-motion-unknown",
+                      fmt::format("{}it is not known what nothing holds: {}", place, found.why_free_unknown));
     if (!found.why_not_counted.empty())
         warnings.note("stability-unknown",
-                      fmt::format("{}whether the equilibrium is stable is not known: {}", place, found.why_not_counted));
+                      fmt::format("{}it is not known whether the equilibrium is stable: {}", place, found.why_not_counted));
     warn_limits(found.limits, results.channels,
                 found.load_case.empty() ? "at rest" : fmt::format("at rest in case {}", quote(found.load_case)), warnings);
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <set>
 #include <span>
@@ -118,15 +119,20 @@ const dttmm_plugin* checked(const std::string& name, const dttmm_plugin* table) 
     return table;
 }
 
-/// The table of an extension, whole; null: the plugin has it not.
+/// The table of an extension; null: the plugin has it not. A smaller one of an earlier minor version is completed by null
+/// entries. least: the size of the entries that none lacks.
 template <class Table>
-const Table* extension(const std::string& name, const dttmm_plugin& plugin, const char* wanted) {
+std::shared_ptr<const Table> extension(const std::string& name, const dttmm_plugin& plugin, const char* wanted,
+                                       size_t least = sizeof(Table)) {
     if (!plugin.extension) return nullptr;
     const auto* table = static_cast<const Table*>(plugin.extension(wanted));
-    if (table && table->size < sizeof(Table))
-        fail(name, fmt::format("its table of extension {} has {} bytes, at least {} are wanted", wanted, table->size,
-                               sizeof(Table)));
-    return table;
+    if (!table) return nullptr;
+    if (table->size < least)
+        fail(name,
+             fmt::format("its table of extension {} has {} bytes, at least {} are wanted", wanted, table->size, least));
+    const auto own = std::make_shared<Table>();
+    std::memcpy(own.get(), table, std::min<size_t>(table->size, sizeof(Table)));
+    return own;
 }
 
 }  // namespace
@@ -134,13 +140,14 @@ const Table* extension(const std::string& name, const dttmm_plugin& plugin, cons
 PluginLibrary::PluginLibrary(std::string name, const dttmm_plugin* table, std::shared_ptr<void> handle)
     : name_(std::move(name)),
       table_(checked(name_, table)),
-      modal_(extension<dttmm_modal_table>(name_, *table, DTTMM_MODAL)),
-      response_(extension<dttmm_response_table>(name_, *table, DTTMM_RESPONSE)),
-      laws_(extension<dttmm_laws_table>(name_, *table, DTTMM_LAWS)),
+      modal_(extension<dttmm_modal_table>(name_, *table, DTTMM_MODAL, offsetof(dttmm_modal_table, force_at_start))),
+      response_(extension<dttmm_response_table>(name_, *table, DTTMM_RESPONSE, offsetof(dttmm_response_table, is_axial))),
+      laws_(extension<dttmm_laws_table>(name_, *table, DTTMM_LAWS, offsetof(dttmm_laws_table, fit))),
       statics_(extension<dttmm_static_table>(name_, *table, DTTMM_STATIC)),
       supports_(extension<dttmm_support_table>(name_, *table, DTTMM_SUPPORT)),
       shapes_(extension<dttmm_shape_table>(name_, *table, DTTMM_SHAPE)),
-      derivative_(extension<dttmm_derivative_table>(name_, *table, DTTMM_DERIVATIVE)),
+      derivative_(
+          extension<dttmm_derivative_table>(name_, *table, DTTMM_DERIVATIVE, offsetof(dttmm_derivative_table, centre))),
       handle_(std::move(handle)) {
     const bool whole =
         (!modal_ || (modal_->create && modal_->destroy && modal_->find_modes && modal_->mode && modal_->mode_along &&

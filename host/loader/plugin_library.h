@@ -34,13 +34,13 @@ public:
     const dttmm_plugin& table() const { return *table_; }
     const std::string& name() const { return name_; }
     /// Its extensions; NULL: it has it not.
-    const dttmm_modal_table* modal() const { return modal_; }
-    const dttmm_response_table* response() const { return response_; }
-    const dttmm_laws_table* laws() const { return laws_; }
-    const dttmm_static_table* statics() const { return statics_; }
-    const dttmm_support_table* supports() const { return supports_; }
-    const dttmm_shape_table* shapes() const { return shapes_; }
-    const dttmm_derivative_table* derivative() const { return derivative_; }
+    const dttmm_modal_table* modal() const { return modal_.get(); }
+    const dttmm_response_table* response() const { return response_.get(); }
+    const dttmm_laws_table* laws() const { return laws_.get(); }
+    const dttmm_static_table* statics() const { return statics_.get(); }
+    const dttmm_support_table* supports() const { return supports_.get(); }
+    const dttmm_shape_table* shapes() const { return shapes_.get(); }
+    const dttmm_derivative_table* derivative() const { return derivative_.get(); }
     /// Gives its elements one more law; false: they take none. Throws Error(plugin_failure) with what it says of the law.
     bool add_law(const dttmm_law& law) const;
     /// The Maxwell series of a direction of an element; no terms: it has none. Throws Error(plugin_failure).
@@ -52,13 +52,13 @@ private:
     PluginLibrary(std::string name, const dttmm_plugin* table, std::shared_ptr<void> handle);
     std::string name_;
     const dttmm_plugin* table_;
-    const dttmm_modal_table* modal_ = nullptr;
-    const dttmm_response_table* response_ = nullptr;
-    const dttmm_laws_table* laws_ = nullptr;
-    const dttmm_static_table* statics_ = nullptr;
-    const dttmm_support_table* supports_ = nullptr;
-    const dttmm_shape_table* shapes_ = nullptr;
-    const dttmm_derivative_table* derivative_ = nullptr;
+    std::shared_ptr<const dttmm_modal_table> modal_;
+    std::shared_ptr<const dttmm_response_table> response_;
+    std::shared_ptr<const dttmm_laws_table> laws_;
+    std::shared_ptr<const dttmm_static_table> statics_;
+    std::shared_ptr<const dttmm_support_table> supports_;
+    std::shared_ptr<const dttmm_shape_table> shapes_;
+    std::shared_ptr<const dttmm_derivative_table> derivative_;
     std::shared_ptr<void> handle_;
 };
 

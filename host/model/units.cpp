@@ -57,8 +57,8 @@ double apply_scale(double value, double scale) {
     return is_fraction ? value / inverse : value * scale;
 }
 
-/// Usual units of one dimension with the value of each [SI], the SI unit first. UDUNITS would find the same, but takes 3 ms
-/// to read its database: a quarter of a short command.
+/// Usual units of one dimension with the value of each [SI], the SI unit first. UDUNITS finds the same, but takes 3 ms to
+/// read its database, as long as `dttmm check` of a small model takes to read that.
 struct UsualUnits {
     std::map<std::string, int> powers;
     std::vector<std::pair<std::string, double>> units;

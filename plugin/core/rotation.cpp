@@ -17,9 +17,9 @@ HalfCotangent half_cotangent_at(double squared) {
     if (squared < detail::kSmall)
         return {detail::half_cotangent(squared),
                 1. / 720 + squared * (1. / 15120 + squared * (1. / 403200 + squared * (1. / 11975040)))};
-    const double angle = std::sqrt(squared), sine = std::sin(0.5 * angle), cotangent = std::cos(0.5 * angle) / sine;
-    const double value = (1 - 0.5 * angle * cotangent) / squared;
-    return {value, ((0.25 * angle / (sine * sine) - 0.5 * cotangent) / angle - 2 * value) / (2 * squared)};
+    const double angle = std::sqrt(squared), sine = std::sin(0.5 * angle), tangent = std::tan(0.5 * angle);
+    const double value = (1 - 0.5 * angle / tangent) / squared;
+    return {value, ((0.25 * angle / (sine * sine) - 0.5 / tangent) / angle - 2 * value) / (2 * squared)};
 }
 
 }  // namespace
@@ -69,9 +69,8 @@ Vector3 large_moment_of_gradient(const Vector3& theta, const Vector3& v) {
 }
 
 Matrix3 large_rotation_vector_rate(const Vector3& theta) {
-    const double angle = theta.norm();
     const Matrix3 cross = skew(theta);
-    return Matrix3::Identity() - 0.5 * cross + (1 - 0.5 * angle / std::tan(0.5 * angle)) / (angle * angle) * cross * cross;
+    return Matrix3::Identity() - 0.5 * cross + half_cotangent_at(theta.squaredNorm()).value * cross * cross;
 }
 
 Matrix3Of<Lanes> large_rotation_from_vector(const Vector3Of<Lanes>& theta) {

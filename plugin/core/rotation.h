@@ -54,14 +54,6 @@ template <class Real>
     return a.x() * a.x() + a.y() * a.y() + a.z() * a.z();
 }
 
-/// R X Rᵀ, each half of X turned.
-inline Matrix6 rotated(const Matrix3& R, const Matrix6& X) {
-    Matrix6 out;
-    for (const int i : {0, 3})
-        for (const int j : {0, 3}) out.block<3, 3>(i, j).noalias() = R * X.block<3, 3>(i, j) * R.transpose();
-    return out;
-}
-
 // ---- The small angles of every step -------------------------------------------------------------------------------------
 
 namespace detail {

@@ -106,7 +106,7 @@ typedef struct dttmm_modal_table {
      * its unit; zero-terminated, at most `size` bytes. matrix and text may be NULL: the sizes only. */
     dttmm_status (*overall_matrix)(dttmm_modal* modal, double frequency, uint32_t* rows, uint32_t* columns, double* matrix,
                                    char* text, uint32_t size, dttmm_error* error);
-    /* NULL: not known. How many motions nothing holds: rigid-body modes. */
+    /* NULL: not known. How many motions nothing holds, or so little that rounding hides it: rigid-body modes. */
     dttmm_status (*count_free)(dttmm_modal* modal, uint32_t* count, dttmm_error* error);
 } dttmm_modal_table;
 

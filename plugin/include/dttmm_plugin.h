@@ -38,7 +38,7 @@ extern "C" {
 #endif
 
 #define DTTMM_PLUGIN_MAJOR 2u
-#define DTTMM_PLUGIN_MINOR 0u
+#define DTTMM_PLUGIN_MINOR 1u
 
 /* The one symbol a plugin exports; declared at the end. */
 #define DTTMM_PLUGIN_ENTRY "dttmm_plugin_entry"

@@ -159,8 +159,7 @@ Vector6 JointGeometry::stretch(const Vector6& x) const {
 
 // ---- What forces do to the frames ---------------------------------------------------------------------------------------
 
-/// By the rows of G, each in the joint's axes: turned to world before, a spring through the origin of a frame would have a
-/// moment of rounding there.
+/// G stays in the joint's axes. In world axes, round-off would give a spring through the origin of a frame a small moment.
 EndBlocks JointGeometry::stiffness(const JointPose& pose, const Matrix6& answer) const {
     const Matrix6 G[2] = {by_from(pose), by_to(pose)};
     EndBlocks K;

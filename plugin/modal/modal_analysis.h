@@ -79,7 +79,7 @@ private:
     std::optional<ModalDamping> damping_;  ///< of the modes below damped_below_
     double damped_below_ = 0;
     std::vector<DampedMode> damped_;
-    std::optional<OverallTransfer> topology_;  ///< of a machine at rest once it is asked for
+    std::optional<OverallTransfer> topology_;  ///< set from the start, but of a machine at rest by topology()
     std::vector<Mode> modes_;
     bool is_stable_ = false;  ///< it was found that nothing grows
     long at_ = -1;            ///< mode that the model stands at; −1: none

@@ -111,15 +111,20 @@ std::vector<Mode> ModeFinder::find_first(int count) {
 
 int ModeFinder::count_growing(bool is_held) {
     stiffness_.cut(0);
+    if (stiffness_.stiffest() == 0) return 0;
     const double lowest = lowest_for(0), shift = is_held ? 0 : -kWiden * lowest * lowest;
     for (const double at : {shift, shift - kBeside * rounding()})
         if (const auto count = stiffness_.factor(at, false)) return *count;
     throw Error(DTTMM_ERROR_NUMERIC, "the motions that grow cannot be counted");
 }
 
+/// Where nothing is stiff, all that has a mass is free.
 int ModeFinder::count_free() {
-    const int growing = count_growing(false);
-    return count_rigid() - growing;
+    stiffness_.cut(0);
+    if (stiffness_.stiffest() == 0) return stiffness_.factor(1, false).value_or(0);
+    const int growing = count_growing(false), free = count_rigid() - growing;
+    if (free < 0) throw Error(DTTMM_ERROR_NUMERIC, "the motions that nothing holds cannot be counted");
+    return free;
 }
 
 int ModeFinder::count_rigid() {

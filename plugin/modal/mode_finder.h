@@ -45,8 +45,9 @@ public:
     std::vector<Mode> find_first(int count);
     /// The number of motions that grow; of a machine without rigid-body modes that of its static stiffness, to rounding.
     int count_growing(bool is_held);
-    /// The number of rigid-body modes, and of those and motions that grow.
+    /// The number of motions that nothing holds, or so little that rounding hides it.
     int count_free();
+    /// The same with the motions that grow.
     int count_rigid();
 
 private:

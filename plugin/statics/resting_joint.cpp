@@ -71,21 +71,29 @@ Matrix6 spread_tangent(const PlacedJoint& placed, const Vector6& force, const Ve
 
 namespace {
 
+/// R X Rᵀ, each half of X turned.
+Matrix6 rotated(const Matrix3& R, const Matrix6& X) {
+    Matrix6 out;
+    for (const int i : {0, 3})
+        for (const int j : {0, 3}) out.block<3, 3>(i, j).noalias() = R * X.block<3, 3>(i, j) * R.transpose();
+    return out;
+}
+
 /// How the force and the moment of a joint at its point change with the pose of an end, world axes. spread: by the relative
 /// motion there, world axes too.
-Matrix6 force_by_end(const PlacedJoint& placed, int end, const Vector3& force, const Vector3& moment,
+Matrix6 force_by_end(const PlacedJoint& placed, int end, const Vector3& arm, const Vector3& force, const Vector3& moment,
                      const Matrix6& spread) {
     const double sign = end == 0 ? -1 : 1;
     Matrix6 change = Matrix6::Zero();
     if (placed.joint.is_axial()) {  // F = n f, δF = f/L (δr − n (n·δr)), r from the first point of its line to the second
         const Vector3 line = placed.joint.way(placed.at.from, placed.at.to), n = placed.pose.axes.col(0);
         const Matrix3 across = sign * force.dot(n) / line.norm() * (Matrix3::Identity() - n * n.transpose());
-        change.topRows<3>() << across, -across * skew(placed.joint.arm(end, placed.at.from, placed.at.to));
+        change.topRows<3>() << across, -across * skew(arm);
         return change;
     }
     if (!spread.isZero(0)) {
         change = sign * spread;
-        change.rightCols<3>() -= change.leftCols<3>() * skew(end == 0 ? placed.pose.arm : placed.pose.lever);
+        change.rightCols<3>() -= change.leftCols<3>() * skew(arm);
     }
     if (end == 0) {  // its axes go with the `from` frame
         change.topRightCorner<3, 3>() -= skew(force);
@@ -98,26 +106,27 @@ Matrix6 force_by_end(const PlacedJoint& placed, int end, const Vector3& force, c
 
 EndBlocks turning_stiffness(const PlacedJoint& placed, const Vector6& force, const Vector6& rigid, const Matrix6& spread) {
     const JointForce now = carried_force(placed, force, rigid);
-    const Vector3 arm = placed.joint.arm(0, placed.at.from, placed.at.to), lever = placed.pose.lever,
-                  moment = now.on_to - lever.cross(now.force);
-    const Matrix3 F = skew(now.force);
+    const Vector3 arms[2] = {placed.joint.arm(0, placed.at.from, placed.at.to), placed.pose.lever};
+    Vector3 moment = Vector3::Zero();
+    if (placed.joint.turns()) moment = now.on_to - arms[1].cross(now.force);
     const Matrix6 by_motion = spread.isZero(0) ? spread : rotated(placed.pose.axes, spread);
     EndBlocks K;
     for (int end : {0, 1}) {
-        const Matrix6 change = force_by_end(placed, end, now.force, moment, by_motion);
+        const Matrix6 change = force_by_end(placed, end, arms[end], now.force, moment, by_motion);
         K.at[0][end] = -change;
-        K.at[0][end].bottomRows<3>() -= skew(arm) * change.topRows<3>();
+        K.at[0][end].bottomRows<3>() -= skew(arms[0]) * change.topRows<3>();
         K.at[1][end] = change;
-        K.at[1][end].bottomRows<3>() += skew(lever) * change.topRows<3>();
+        K.at[1][end].bottomRows<3>() += skew(arms[1]) * change.topRows<3>();
     }
-    // The arms move: that of a line goes with the `from` frame, any other with its point
-    K.at[1][1].bottomRightCorner<3, 3>() += F * skew(lever);
+    // The lever arms change too. The first arm of an axial joint turns with `from`, that of others follows the point.
+    const Matrix3 F = skew(now.force), by_lever = F * skew(arms[1]);
+    K.at[1][1].bottomRightCorner<3, 3>() += by_lever;
     if (placed.joint.is_axial()) {
-        K.at[0][0].bottomRightCorner<3, 3>() -= F * skew(arm);
+        K.at[0][0].bottomRightCorner<3, 3>() -= F * skew(arms[0]);
     } else {
         K.at[0][0].bottomLeftCorner<3, 3>() -= F;
         K.at[0][1].bottomLeftCorner<3, 3>() += F;
-        K.at[0][1].bottomRightCorner<3, 3>() -= F * skew(lever);
+        K.at[0][1].bottomRightCorner<3, 3>() -= by_lever;
     }
     return K;
 }

@@ -8,7 +8,8 @@ namespace dttmm::plugin {
 // A joint at rest: its laws have gone the straight way from the undeformed state to a deformation x. Forces along the
 // deformations are gradients by θ in rotations.
 
-/// A joint between its frames: its pose and its deformation there.
+/// A joint between its frames: its pose and its deformation there. The joint and the frames must outlive it and stay where
+/// they are.
 struct PlacedJoint {
     PlacedJoint(const Joint& of, Ends frames)
         : joint(of), at(frames), pose(of.pose(frames)), x(of.deformation(pose, frames.from, frames.to)) {}

@@ -93,10 +93,13 @@ AtRest::Link StaticNetwork::link(size_t j) const {
 /// All joints between their frames where these are.
 void StaticNetwork::place_joints() {
     joints_.clear();
+    std::vector<Resting> all;  // all or none: a joint may have no pose
+    all.reserve(mechanism_.joints.size());
     for (const Joint& joint : mechanism_.joints) {
         const PlacedJoint placed(joint, ends(joint));
-        joints_.push_back({placed, resting_force(joint, placed.x)});
+        all.push_back({placed, resting_force(joint, placed.x)});
     }
+    joints_ = std::move(all);
 }
 
 /// Forces on all frames where they are, and how far rigid directions are open.
@@ -240,6 +243,7 @@ void StaticNetwork::take_ports(Ports ports) {
 
 void StaticNetwork::form(Ports ports, double resistance) {
     resistance_ = resistance;
+    has_moved_ = false;
     take_ports(ports);
     base_ = now_;
     if (joints_.empty()) place_joints();
@@ -343,6 +347,11 @@ StaticNetwork::Measure StaticNetwork::correct(std::span<const Vector6> port_chan
 }
 
 StaticNetwork::Measure StaticNetwork::move(Ports ports, double share) {
+    if (has_moved_) {
+        now_ = base_;
+        place_joints();
+    }
+    has_moved_ = true;
     predict_forces(share);
     take_ports(ports);
     for (int i = 0; i < count_; ++i) {

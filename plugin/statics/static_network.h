@@ -31,6 +31,8 @@ namespace dttmm::plugin {
 class StaticNetwork {
 public:
     StaticNetwork(const Mechanism& mechanism, Loading loading);
+    StaticNetwork(const StaticNetwork&) = delete;  // joints_ refer to its frames
+    StaticNetwork& operator=(const StaticNetwork&) = delete;
 
     /// Back to the places of the assembled machine.
     void begin();
@@ -58,7 +60,7 @@ public:
     using Measure = dttmm_static_measure;
     /// Finds the correction of the inside to one of the ports; the frames stay.
     Measure correct(std::span<const Vector6> port_change);
-    /// Takes a share of it from where the equations were formed, once, with the ports where they are given.
+    /// Takes a share of it from where the equations were formed, with the ports where they are given.
     Measure move(Ports ports, double share);
 
     /// On a port where everything is.
@@ -111,7 +113,8 @@ private:
         RestingForce force;
     };
     std::vector<Resting> joints_;     ///< empty: not placed yet
-    std::vector<Vector6> predicted_;  ///< forces along the deformations, of every joint; empty: those that are
+    std::vector<Vector6> predicted_;  ///< forces along the deformations, of every joint; empty: those that act
+    bool has_moved_ = false;          ///< since the equations were formed
     struct AtPorts {
         std::vector<size_t> joints;
         std::vector<EndBlocks> blocks;  ///< of these

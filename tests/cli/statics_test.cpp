@@ -616,6 +616,48 @@ TEST(Statics, WhatFallsFreelyIsNamed) {
     EXPECT_THAT(ended.err, HasSubstr("cart: z 100 %"));
 }
 
+// Oracle: by hand. A spring of 1e-4 N/m beside others of 2e10 N/m holds: that its vibration cannot be told from none is
+// said.
+TEST(Statics, WhatNextToNothingHoldsIsNotCalledFree) {
+    const nlohmann::json summary = rest_of(two_carts("[2e10, 1e-4, 2e10]", "[4e4, 5e4, 6e4]")).summary;
+    EXPECT_FALSE(summary.contains("free_motions")) << summary["free_motions"];
+    EXPECT_THAT(codes_of(summary), testing::Contains("free-motion-unknown"));
+    EXPECT_EQ(summary["growing_motions"], 0);
+}
+
+// Oracle: a stone that nothing holds has six free motions, and falls.
+TEST(Statics, AMachineOfNothingButABodyFalls) {
+    const TemporaryFolder folder;
+    const std::string text = "format = \"dttmm/1\"\n[[body]]\nname = \"stone\"\nmass = 3\ninertia = [0.1, 0.2, 0.2]\n";
+    write_text(folder / "m.toml", text + "[simulation]\ngravity = [0, 0, -10]\n");
+    EXPECT_THAT(run_dttmm(folder.path(), {"static", "m.toml"}).err, HasSubstr("what moves on is body \"stone\""));
+    const nlohmann::json floats = rest_of(text).summary;
+    EXPECT_EQ(floats["free_motions"], 6);
+    EXPECT_EQ(floats["growing_motions"], 0);
+}
+
+// Oracle: a bob that stands on its pin grows, one that hangs does not; a third body on a rail is free in both cases.
+TEST(Statics, WhatGrowsIsNotCalledFree) {
+    const std::string rail = R"([[body]]
+name = "cart"
+mass = 3
+inertia = [0.1, 0.2, 0.3]
+position = [5, 1, 2]
+[[element]]
+name = "rail"
+type = "spring_damper"
+from = "ground"
+to = "cart"
+stiffness = [3e4, 0, 4e4]
+rotational_stiffness = [200, 300, 400]
+)";
+    for (const double up : {0.7, -0.7}) {
+        const nlohmann::json summary = rest_of(pendulum(up) + rail).summary;
+        EXPECT_EQ(summary["growing_motions"], up > 0 ? 1 : 0);
+        EXPECT_THAT(summary["what_is_free"], testing::ElementsAre("cart: y 100 %"));
+    }
+}
+
 // Oracle: the bar bends to M L/EI = 1.9 rad in all, the hinges between its segments take 0.5 rad each.
 TEST(Statics, WhatIsBentBeyondItsLawIsSaid) {
     for (const int segments : {3, 5}) {

@@ -29,7 +29,8 @@ TEST(Rotation, MatrixToVectorIsTheInverse) {
     }
 }
 
-// Oracle: central differences; angles on both sides of 0.1, where the series end.
+// Oracle: central differences, which neglect the step squared times third derivatives of the order of v; angles on both
+// sides of 0.1, where the series end.
 TEST(Rotation, RateOfAMomentOfAGradient) {
     const Vector3 v(1, -2, 3);
     for (double angle : {0.0, 1e-3, 0.09, 0.11, 2.0, 4.0}) {

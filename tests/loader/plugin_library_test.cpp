@@ -60,6 +60,16 @@ TEST(PluginLibrary, ALibraryThatIsNoPluginOfThisVersionIsRefused) {
     expect_refused(faulty_plugin("other_major"), "built for version 3");
 }
 
+// Oracle: dttmm_plugin.h, "a host reads only what `size` covers".
+TEST(PluginLibrary, ATableOfAnEarlierMinorVersionIsCompleted) {
+    const PluginLibrary old = PluginLibrary::load(faulty_plugin("old_extension"));
+    ASSERT_NE(old.modal(), nullptr);
+    EXPECT_NE(old.modal()->overall, nullptr);
+    EXPECT_EQ(old.modal()->force_at_start, nullptr) << "it stands behind the end of the table";
+    EXPECT_EQ(old.modal()->count_free, nullptr);
+    EXPECT_EQ(old.response(), nullptr);
+}
+
 TEST(PluginLibrary, ATableThatIsNotWholeIsRefused) {
     expect_refused(faulty_plugin("small_table"), "bytes, version 2.0 wants at least");
     expect_refused(faulty_plugin("null_function"), "null entry");

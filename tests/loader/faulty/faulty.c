@@ -18,6 +18,7 @@
 #include <xmmintrin.h>
 #endif
 
+#include "dttmm_modal.h"
 #include "dttmm_shape.h"
 
 enum fault {
@@ -60,6 +61,7 @@ enum fault {
     too_many_parts,
     half_an_iteration,
     small_extension,
+    old_extension, /* no fault: its table is that of an earlier minor version */
     nan_position,
     position_overrun,
     bends_twice,
@@ -370,8 +372,65 @@ static dttmm_status positions(const dttmm_instance *instance, uint32_t stations,
     return DTTMM_OK;
 }
 
+static dttmm_status old_create(const dttmm_modal_model *model, dttmm_modal **modal, dttmm_error *error) {
+    (void)model;
+    (void)modal;
+    (void)error;
+    return DTTMM_ERROR_MODEL;
+}
+static void old_destroy(dttmm_modal *modal) { (void)modal; }
+static dttmm_status old_find_modes(dttmm_modal *modal, uint32_t count, double below, uint32_t *found, dttmm_error *error) {
+    (void)modal;
+    (void)count;
+    (void)below;
+    (void)found;
+    (void)error;
+    return DTTMM_ERROR_MODEL;
+}
+static dttmm_status old_mode(dttmm_modal *modal, uint32_t index, dttmm_mode *mode, double *bodies, double *nodes, double *shares,
+                             dttmm_error *error) {
+    (void)modal;
+    (void)index;
+    (void)mode;
+    (void)bodies;
+    (void)nodes;
+    (void)shares;
+    (void)error;
+    return DTTMM_ERROR_MODEL;
+}
+static dttmm_status old_mode_along(dttmm_modal *modal, uint32_t index, uint32_t element, uint32_t count, double *length,
+                                   double *shape, dttmm_error *error) {
+    (void)modal;
+    (void)index;
+    (void)element;
+    (void)count;
+    (void)length;
+    (void)shape;
+    (void)error;
+    return DTTMM_ERROR_MODEL;
+}
+static dttmm_status old_overall(dttmm_modal *modal, double frequency, dttmm_overall *overall, char *layout, uint32_t size,
+                                dttmm_error *error) {
+    (void)modal;
+    (void)frequency;
+    (void)overall;
+    (void)layout;
+    (void)size;
+    (void)error;
+    return DTTMM_ERROR_MODEL;
+}
+static double beyond_the_end(const dttmm_modal *modal, uint32_t element) {
+    (void)modal;
+    (void)element;
+    return 0;
+}
+
 static const void *extension(const char *name) {
     static const uint32_t small = 8; /* of a table that has nothing but its size */
+    /* What stands behind its size is no entry of it. */
+    static const dttmm_modal_table old = {offsetof(dttmm_modal_table, force_at_start), old_create, old_destroy, old_find_modes,
+                                          old_mode, old_mode_along, old_overall, beyond_the_end, NULL, NULL, NULL, NULL, NULL};
+    if (FAULT == old_extension) return strcmp(name, DTTMM_MODAL) == 0 ? &old : NULL;
     static const dttmm_shape_table shape = {sizeof(dttmm_shape_table), lines, positions};
     if (!BENDS) return &small;
     return strcmp(name, DTTMM_SHAPE) == 0 ? &shape : NULL;
@@ -399,7 +458,7 @@ static const dttmm_plugin table = {
     channel_count,
     channels,
     outputs,
-    FAULT == small_extension || BENDS ? extension : NULL,
+    FAULT == small_extension || FAULT == old_extension || BENDS ? extension : NULL,
     ITERATES || FAULT == half_an_iteration ? part_count : NULL,
     ITERATES ? iterate : NULL,
     NULL, /* rows by the means over two steps */

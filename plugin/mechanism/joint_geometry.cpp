@@ -160,14 +160,12 @@ Vector6 JointGeometry::stretch(const Vector6& x) const {
 // ---- What forces do to the frames ---------------------------------------------------------------------------------------
 
 /// G stays in the joint's axes. In world axes, round-off would give a spring through the origin of a frame a small moment.
+/// Each block is worked out by itself. A transposed copy of the other one has other round-off, which a stiff rod multiplies.
 EndBlocks JointGeometry::stiffness(const JointPose& pose, const Matrix6& answer) const {
     const Matrix6 G[2] = {by_from(pose), by_to(pose)};
     EndBlocks K;
-    for (int j : {0, 1}) {
-        const Matrix6 by_end = answer * G[j];
-        for (int i = 0; i <= j; ++i) K.at[i][j].noalias() = G[i].transpose() * by_end;
-    }
-    K.at[1][0] = K.at[0][1].transpose();
+    for (int i : {0, 1})
+        for (int j : {0, 1}) K.at[i][j].noalias() = G[i].transpose() * answer * G[j];
     return K;
 }
 

@@ -116,7 +116,7 @@ public:
     /// From the first point of its line to the second, world axes.
     Vector3 way(FrameView from, FrameView to) const { return seat_.arm(from, to) - arm_of_line(from); }
 
-    /// Of forces that grow with the deformation by `answer` (symmetric, joint axes).
+    /// Of forces that grow with the deformation by `answer` (joint axes).
     EndBlocks stiffness(const JointPose& pose, const Matrix6& answer) const;
     /// Of a force already acting (world axes), which turns with the joint; symmetric part.
     EndBlocks acting_stiffness(const JointPose& pose, FrameView from, FrameView to, const Vector3& force) const;

@@ -19,6 +19,7 @@
 #include "cli/process.h"
 #include "cli/static_run.h"
 #include "model/index.h"
+#include "support/random_machine.h"
 
 namespace dttmm::host {
 namespace {
@@ -655,6 +656,21 @@ rotational_stiffness = [200, 300, 400]
         const nlohmann::json summary = rest_of(pendulum(up) + rail).summary;
         EXPECT_EQ(summary["growing_motions"], up > 0 ? 1 : 0);
         EXPECT_THAT(summary["what_is_free"], testing::ElementsAre("cart: y 100 %"));
+    }
+}
+
+// Oracle: what rests does not move. A run records 1e2 and 1e4 m/s^2 at nodes of these machines, rounding over next to no
+// mass.
+TEST(Statics, NothingMovesAtRest) {
+    for (const uint64_t seed : {7u, 11u}) {
+        AtRest rest = rest_of("format = \"dttmm/1\"\n" + test::RandomMachine(seed).text());
+        size_t count = 0;
+        for (const auto& [name, value] : rest.row) {
+            if (name.find("velocity") == name.npos && name.find("acceleration") == name.npos) continue;
+            ++count;
+            EXPECT_EQ(value, 0) << name;
+        }
+        EXPECT_GT(count, 20u) << seed;
     }
 }
 

@@ -607,6 +607,22 @@ TEST(Statics, MotionsThatNothingHoldsAreNamed) {
     EXPECT_THAT(free["warnings"].dump(), HasSubstr("nothing holds 2 motions"));
 }
 
+// Oracle: by hand. Each body on a spring without rotational stiffness may turn about three axes: 18 motions have names, 21
+// not.
+TEST(Statics, ManyMotionsThatNothingHoldsAreOnlyCounted) {
+    for (const int bodies : {6, 7}) {
+        std::string text = "format = \"dttmm/1\"\n";
+        for (int i = 0; i < bodies; ++i)
+            text += fmt::format(
+                "[[body]]\nname = \"b{0}\"\nmass = {1}\ninertia = [0.1, 0.2, 0.3]\n[[element]]\nname = \"e{0}\"\ntype = "
+                "\"spring_damper\"\nfrom = \"ground\"\nto = \"b{0}\"\nstiffness = 1e3\n",
+                i, 1 + 0.3 * i);
+        const nlohmann::json summary = rest_of(text).summary;
+        EXPECT_EQ(summary["free_motions"], 3 * bodies);
+        EXPECT_EQ(summary.contains("what_is_free"), bodies == 6);
+    }
+}
+
 // Oracle: the cart falls, for nothing holds it along z.
 TEST(Statics, WhatFallsFreelyIsNamed) {
     const TemporaryFolder folder;
@@ -617,8 +633,8 @@ TEST(Statics, WhatFallsFreelyIsNamed) {
     EXPECT_THAT(ended.err, HasSubstr("cart: z 100 %"));
 }
 
-// Oracle: by hand. A spring of 1e-4 N/m beside others of 2e10 N/m holds: that its vibration cannot be told from none is
-// said.
+// Oracle: by hand. A spring of 1e-4 N/m beside others of 2e10 N/m holds: that its vibration cannot be distinguished from
+// none is said.
 TEST(Statics, WhatNextToNothingHoldsIsNotCalledFree) {
     const nlohmann::json summary = rest_of(two_carts("[2e10, 1e-4, 2e10]", "[4e4, 5e4, 6e4]")).summary;
     EXPECT_FALSE(summary.contains("free_motions")) << summary["free_motions"];

@@ -164,11 +164,17 @@ void InstantBalances::drop_dependent_rows(const Balance& balance) const {
 
 /// Leaves out halves with a mass, and rigid directions of which nothing but rounding is left then, as of a force along the
 /// arm of a point mass; brings the rest to units of what damper and spring do over a step: a weak damper is a small pivot in
-/// them.
+/// them. What a force makes of a rotation by the rounding of its lever is no unit: only rigid directions hold that rotation.
 void InstantBalances::scale_balance(const Balance& balance, double h) const {
     Eigen::MatrixXd &A = balance.matrix, &K = balance.stiffness;
     Eigen::VectorXd &r = balance.right_hand_side, &d = balance.scale;
     const auto count = as_row(6 * balance.group.frames.size());
+    for (Eigen::Index i = 0; i < count; ++i) d(i) = A(i, i) + h * K(i, i);
+    for (Eigen::Index i = 0; i < count; i += 6) {
+        const double least = kRoundingOfLever * kRoundingOfLever * d.segment<3>(i).maxCoeff();
+        for (double& turning : d.segment<3>(i + 3))
+            if (turning <= least) turning = 0;
+    }
     for (Eigen::Index i = count; i < A.rows(); ++i) d(i) = A.row(i).head(count).norm();
     for (size_t k = 0; k < balance.group.frames.size(); ++k)
         for (int half : {0, 1}) {
@@ -179,6 +185,7 @@ void InstantBalances::scale_balance(const Balance& balance, double h) const {
             K.middleRows<3>(at).setZero();
             K.middleCols<3>(at).setZero();
             r.segment<3>(at).setZero();
+            d.segment<3>(at).setZero();
         }
     for (Eigen::Index i = count; i < A.rows(); ++i) {
         if (A.row(i).head(count).norm() > kRoundingOfLever * d(i)) continue;
@@ -188,11 +195,10 @@ void InstantBalances::scale_balance(const Balance& balance, double h) const {
     }
     double largest[2] = {0, 0};
     for (Eigen::Index i = 0; i < count; ++i) {
-        double& of_half = largest[i / 3 % 2];
-        of_half = std::max(of_half, A(i, i) + h * K(i, i));
+        largest[i / 3 % 2] = std::max(largest[i / 3 % 2], d(i));
     }
     for (Eigen::Index i = 0; i < count; ++i) {
-        const double size = std::max(A(i, i) + h * K(i, i), kNothing * largest[i / 3 % 2]);
+        const double size = std::max(d(i), kNothing * largest[i / 3 % 2]);
         d(i) = size > 0 ? 1 / std::sqrt(size) : 1;
     }
     for (Eigen::Index i = count; i < A.rows(); ++i) {

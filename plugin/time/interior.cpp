@@ -72,6 +72,7 @@ void Interior::follow(std::span<Vector6> motion) const {
 }
 
 void Interior::start(Ports ports, const double* accelerations, const double* loads, const std::vector<Frame>* at_rest) {
+    inside_.record = {.is_at_rest = at_rest ? 1.0 : 0.0};
     begin(at_rest ? InnerStart(inside_, *at_rest) : InnerStart(inside_, matrix_.elimination(), ports), ports, accelerations,
           loads);
     instant_.form_first_balance();
@@ -87,10 +88,9 @@ void Interior::begin(InnerStart start, Ports ports, const double* accelerations,
     start.refuse_forbidden_velocities();
     mechanism_.frames = start.frames();
     std::ranges::fill(inside_.rigid, 0.0);
-    inside_.record = {};
     loads_.read(loads);
     loads_.start_loads();
-    start.balance(inside_.step_size());
+    if (inside_.record.is_at_rest == 0) start.balance(inside_.step_size());
     balance_at_start(start, ports, accelerations);
     for (size_t p = 0; p < inside_.port_u.size(); ++p) inside_.port_u[p] = joined(start.velocity(as_int(p)));
     inside_.port_u_before = inside_.port_u;
@@ -103,7 +103,11 @@ void Interior::balance_at_start(const InnerStart& start, Ports ports, const doub
         const Joint& joint = mechanism_.joints[j];
         Joint::add_wrench(start.force(j), wrenches[as_size(joint.from())].data(), wrenches[as_size(joint.to())].data());
     }
-    const std::vector<Twist> acceleration = start.set_inertias(inside_, wrenches);
+    std::vector<Twist> acceleration = start.set_inertias(inside_, wrenches);
+    if (inside_.record.is_at_rest != 0) {  // in balance, with the forces of rigid directions, which the wrenches leave out
+        std::ranges::fill(inside_.momenta, Vector6::Zero());
+        std::ranges::fill(acceleration, Twist{});
+    }
     const auto acceleration_of = [&](int frame) {
         if (inside_.is_inner(frame)) return acceleration[inside_.at(frame)];
         if (frame >= inside_.ports) return Twist{};

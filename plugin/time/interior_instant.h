@@ -25,7 +25,8 @@ public:
     /// all frames) add per step. The others have the mean of those over the two steps.
     void find_velocities(std::span<const Vector6> mean_wrenches);
     /// Velocities of massless frames where dampers act, and the forces of rigid directions on massless frames: by the
-    /// balance of the instant. rate(j): of the joints' deformations, as known.
+    /// balance of the instant. rate(j): of the joints' deformations, as known. At rest the velocities that would balance are
+    /// what the equilibrium leaves by rounding, over dampers that may be next to nothing: there they stay zero.
     template <class Rate>
     void find_massless_velocities(const Rate& rate) {
         std::ranges::fill(corrections_, Twist{});
@@ -40,6 +41,8 @@ public:
                     mechanism.joints[j].elastic(state.deformation_before(), mechanism.memory_before(j))};
             },
             [&](size_t i) { return inside_.frame_load(i).load[2]; }, velocities_, corrections_, rigid_);
+        if (mechanism.steps > 1 || inside_.record.is_at_rest == 0) return;
+        for (auto* list : {&velocities_, &corrections_}) std::ranges::fill(*list, Twist{});
     }
     /// What that has added to the velocity of a frame's origin, world.
     Twist correction(int frame) const {
@@ -99,7 +102,7 @@ public:
     Twist acceleration(int frame, const Vector3& offset) const;
     double kinetic_energy() const;
     /// Force of a joint's rigid directions, its axes [force; moment]: over the step, and at the instant. The first step
-    /// counts half of it: twice that is the force.
+    /// counts half of it, and twice that is the force, unless the run starts at rest.
     Vector6 rigid_force_over_step(size_t joint) const;
     Vector6 rigid_force(size_t joint) const;
 

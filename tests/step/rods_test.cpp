@@ -183,6 +183,48 @@ TEST(Rods, OnMovingBodiesRunInAnyDirection) {
     }
 }
 
+// Oracle: a rod stretches only, so its tip turns with the body that it stands on. The tip has a mass or none and no inertia
+// of its own: the damper along the rod has a lever on it by rounding alone. h^2 w^3/6 parts the two, 4e-4 rad/s.
+TEST(Rods, ATipTurnsWithItsBody) {
+    std::mt19937 dice(11);
+    std::normal_distribution<double> number;
+    const auto vector = [&] { return Vector3d(number(dice), number(dice), number(dice)); };
+    for (const char* mass : {"", "[[element]]\nname = \"mass\"\ntype = \"point_mass\"\nat = \"tip\"\nmass = 0.0713\n"})
+        for (int segments : {1, 2, 7})
+            for (int i = 0; i < 10; ++i) {
+                const Place place{Eigen::Quaterniond(number(dice), number(dice), number(dice), number(dice)).normalized(),
+                                  vector()};
+                const RecordedRun rows(fmt::format(R"(
+[simulation]
+duration = "20 ms"
+step = "1 ms"
+gravity = {}
+[nodes]
+tip = {}
+[[body]]
+name = "arm"
+mass = 3.3
+inertia = [0.1, 0.12, 0.09]
+position = {}
+angular_velocity = {}
+[[element]]
+name = "rod"
+type = "rod"
+from = "arm"
+to = "tip"
+segments = {}
+section = {{ tube = [0.037, 0.016] }}
+material = {{ E = 3.1e11, poisson = 0.3, density = 1609, stiffness_damping = 4.7e-5 }}
+{})",
+                                                   place.direction({1, -2, -9}), place.point({0.37, -0.74, 0.56}),
+                                                   place.point(Vector3d::Zero()), place.direction({3, 7, -11}), segments,
+                                                   mass));
+                for (size_t n = 0; n < rows.count(); ++n)
+                    EXPECT_LT((rows.vector(n, "tip.angular_velocity") - rows.vector(n, "arm.angular_velocity")).norm(), 1e-3)
+                        << mass << segments << " " << i << " row " << n;
+            }
+}
+
 // Oracle: statics, u = K⁻¹ f with K = Σ EA/l e eᵀ. Rods between pins that leave all rotations free, at an angle to the axes;
 // the load comes slowly.
 TEST(Rods, ATrussBetweenPinsCarriesByTheRods) {

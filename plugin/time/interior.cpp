@@ -90,7 +90,7 @@ void Interior::begin(InnerStart start, Ports ports, const double* accelerations,
     std::ranges::fill(inside_.rigid, 0.0);
     loads_.read(loads);
     loads_.start_loads();
-    if (inside_.record.is_at_rest == 0) start.balance(inside_.step_size());
+    start.balance(inside_.step_size());
     balance_at_start(start, ports, accelerations);
     for (size_t p = 0; p < inside_.port_u.size(); ++p) inside_.port_u[p] = joined(start.velocity(as_int(p)));
     inside_.port_u_before = inside_.port_u;

@@ -267,9 +267,9 @@ TEST(Statics, ARunFromEquilibriumDoesNotMove) {
 
 // Oracle: what is in balance stays. Of a row, positions to the rounding of the equilibrium, accelerations to that of its
 // forces. Rods and hinges held with forces that the first step counted half, which moved the others up to 1e-5 m; massless
-// nodes on rods had velocities of rounding over rounding (133), and the first accelerations became no numbers (138).
+// nodes on rods had velocities of rounding over rounding (133), and the first accelerations became no numbers (673).
 TEST(Statics, RandomMachinesStayInEquilibrium) {
-    for (const uint64_t seed : {7u, 11u, 19u, 29u, 46u, 56u, 62u, 85u, 86u, 133u, 136u, 138u, 161u, 238u, 283u, 287u}) {
+    for (const uint64_t seed : {7u, 11u, 19u, 29u, 46u, 56u, 62u, 85u, 86u, 133u, 136u, 138u, 161u, 238u, 283u, 284u, 287u, 673u}) {
         std::string text = "format = \"dttmm/1\"\n" + test::RandomMachine(seed).text();
         text.erase(text.find("[[load]]"));
         text.insert(text.find("[simulation]\n") + 13, "start = \"equilibrium\"\n");

@@ -363,6 +363,22 @@ TEST(FirstRow, NodesOnRigidMassesGoOnToTheSecondRow) {
     }
 }
 
+// Oracle: at rest nothing speeds up. All accelerations there are rounding, and so is what bodies and network have to settle.
+TEST(FirstRow, NothingSpeedsUpAtRest) {
+    std::string text = test::RandomMachine(673, 2).text();
+    text.erase(text.find("[[load]]"));
+    text.insert(text.find("[simulation]\n") + 13, "start = \"equilibrium\"\n");
+    const size_t gravity = text.find("gravity = [") + 11, end = text.find(',', gravity);
+    const double g = std::stod(text.substr(gravity, end - gravity));
+    for (int i = 0; i < 25; ++i) {
+        std::string other = text;
+        other.replace(gravity, end - gravity, fmt::format("{:.17g}", g * (1 + 1e-11 * i)));
+        const RecordedRun rows(other);
+        for (const char* part : {"b0", "b1", "b2", "n1"})
+            EXPECT_LT(rows.vector(0, std::string(part) + ".acceleration").norm(), 1e-3) << i << " " << part;
+    }
+}
+
 // Oracle: the instant knows no step. Beams' ends on rods that lead to masses and to a body, in random machines.
 TEST(FirstRow, ANodeOnARodAtABodyHasOneAccelerationAtEveryStep) {
     for (const auto& [seed, node] : {std::pair{5u, "n2"}, {379u, "n0"}, {561u, "n0"}}) {

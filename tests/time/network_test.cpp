@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/rotation.h"
 #include "support/dense_network.h"
+#include "support/network_model.h"
 #include "support/spring_values.h"
 
 namespace dttmm::plugin {
@@ -575,6 +576,48 @@ TEST(Network, ARotationalSpringRefusesLargeRotations) {
 }
 
 // A free joint is no fault: it carries nothing.
+// Oracle: statics. A beam with a hinge that is rigid in three directions at its end holds a body: over the first step the
+// body feels all of the force that it feels at rest, and again over the second.
+TEST(Network, FromRestTheFirstStepHasTheWholeForceOfRigidDirections) {
+    test::NetworkModel model;
+    const Matrix3 turned = rotation_from_vector(Vector3(0.4, -0.8, 1.3));
+    model.node("root", DTTMM_NODE_GROUND, {0.1, -0.2, 0.3}, turned);
+    model.node("pin", DTTMM_NODE_INNER, {0.7, 0.1, 0.2}, turned);
+    model.node("body", DTTMM_NODE_ON_BODY, {0.7, 0.1, 0.2}, turned, {0.2, 0.1, -0.3});
+    test::NetworkModel::Values section = test::tube(3, 1e-5);
+    section["up"] = {0.1, 0.2, 1};
+    model.element("beam", "beam", {"root", "pin"}, section);
+    model.element("hinge", "elastic_hinge", {"pin", "body"},
+                  {{"stiffness.y", {3e5}}, {"stiffness.rx", {4e3}}, {"stiffness.rz", {7e3}}});
+    model.set_gravity({3, -4, -8});
+    const dttmm_network description = model.description();
+    DenseNetwork network(description);
+    dttmm_motion body{};
+    std::copy_n(description.bodies[0].position, 3, body.position);
+    std::copy_n(description.bodies[0].rotation, 9, body.rotation);
+    network.begin_statics();
+    network.statics().set_loads(Vector3(3, -4, -8), nullptr);
+    Vector6 wrench, mean;
+    std::vector<double> stiffness(36);
+    const std::vector<double> held(6, 0.0);
+    for (int pass = 0; pass < 10; ++pass) {
+        wrench.setZero();
+        network.form_static(&body, 0, wrench.data(), stiffness.data());
+        network.correct_static(held.data());
+        wrench.setZero();
+        network.move_static(&body, 1, wrench.data());
+    }
+    ASSERT_GT(wrench.head<3>().norm(), 1);
+    const double h = 1e-3;
+    network.start_at_rest({0, 0, h}, &body, nullptr);
+    for (uint64_t n : {0u, 1u}) {
+        network.begin_step({n, static_cast<double>(n) * h, h}, nullptr);
+        network.commit_settled(&body);
+        network.mean_wrench(mean.data());
+        EXPECT_LT((mean - wrench).norm(), 1e-6 * wrench.norm()) << n << ": " << mean.transpose();
+    }
+}
+
 TEST(Network, AnElementWithoutStiffnessCarriesNothing) {
     const Values kFree = test::spring_values({});
     DenseNetwork network = make_network(DTTMM_SCHEME_CENTRED, false, kFree);

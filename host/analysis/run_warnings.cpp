@@ -61,6 +61,12 @@ Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
     return ledger;
 }
 
+/// A cure beside another, where the run does not have it already.
+const char* or_numerical_damping(const Model& model) {
+    const bool helps = model.simulation.coupling == Coupling::implicit && model.simulation.spectral_radius == 1;
+    return helps ? ", or a spectral_radius of 0.9" : "";
+}
+
 /// Why a run made or lost energy. A vibration that the step does not resolve appears as one of about pi − 4/(omega h) rad
 /// per step; a body that turns by 4/(omega h) per step, give or take, can feed it, however slow that is.
 std::string describe_energy_fault(const Model& model, const Simulation& simulation, const std::vector<FastLoad>& fast) {
@@ -71,22 +77,20 @@ std::string describe_energy_fault(const Model& model, const Simulation& simulati
                            fast.front().place, simulation.step_size(), fast.front().step);
     const double step = simulation.step_size(), omega_h = simulation.fastest_mode().omega * step;
     if (omega_h == 0)
-        return fmt::format(
-            "the step of {:g} s is too long for what vibrates inside the networks; try a shorter one, or a "
-            "spectral_radius of 0.9",
-            step);
+        return fmt::format("the step of {:g} s is too long for what vibrates inside the networks; try a shorter one{}", step,
+                           or_numerical_damping(model));
     const Turning turning = simulation.fastest_turning();
     if (turning.per_step > 0.1 || turning.per_step * omega_h > 2) {
         const double longest = step * std::min(0.05 / turning.per_step, 1 / std::sqrt(turning.per_step * omega_h));
         return fmt::format("body \"{}\" turns {:.3g} rad per step on elements of {}; try --step \"{:.12g} s\"{}",
                            turning.body, turning.per_step, simulation.describe_speed(), divide_step(step, longest),
-                           simulation.explicit_limit() ? "" : ", or a spectral_radius of 0.9");
+                           or_numerical_damping(model));
     }
     if (!model.nodes.empty())
         return fmt::format(
             "the step of {:g} s is too long for the fastest vibration, of the bodies ({}) or inside the "
-            "networks; try a shorter one, or a spectral_radius of 0.9",
-            step, simulation.describe_speed());
+            "networks; try a shorter one{}",
+            step, simulation.describe_speed(), or_numerical_damping(model));
     return fmt::format("the step of {:g} s is too long for the fastest vibration, {}", step, simulation.describe_speed());
 }
 
@@ -140,10 +144,8 @@ void warn_ripple(const Recorder& recorder, const Model& model, Warnings& warning
         warning = fmt::format(
             "the force of element \"{}\" alternates from step to step by {:.3g} N and is {:.3g} N at most: a "
             "vibration that the step of {:g} s does not follow. It rings for ever unless something damps it, and its peaks "
-            "are not those of the machine; try a shorter step{}",
-            element.name, ripple, peak, model.simulation.step,
-            model.simulation.coupling == Coupling::implicit ? ", damping of the element, or a spectral_radius of 0.9"
-                                                            : " or damping of the element");
+            "are not those of the machine; try a shorter step or damping of the element{}",
+            element.name, ripple, peak, model.simulation.step, or_numerical_damping(model));
     }
     if (!warning.empty()) warnings.add("alternating-force", warning);
 }

@@ -40,7 +40,7 @@ void refuse_opening_joints(const std::vector<Joint>& descriptions, const JointSy
 
 InstantSolver::InstantSolver(const Model& model)
     : inertias_(model.bodies.begin(), model.bodies.end()),
-      joints_turn_(std::ranges::any_of(model.joints, turns_or_drives)),
+      has_means_(model.simulation.spectral_radius < 1 || std::ranges::any_of(model.joints, turns_or_drives)),
       wrenches_(6 * model.bodies.size()),
       trial_wrenches_(wrenches_),
       matrix_(as_int(model.bodies.size()), {}, JointSystem(model.bodies, model.joints).nodes()),
@@ -92,7 +92,7 @@ const Instant& InstantSolver::solve(double time, const StepEquations& step, cons
     if (networks.is_implicit()) networks.add_mean_wrenches(wrenches_.data());
     if (time == start_time_) {
         instant_.at = start_;  // the initial conditions
-    } else if (networks.is_implicit() && !is_impact && !joints_turn_) {
+    } else if (networks.is_implicit() && !is_impact && !has_means_) {
         loads.add_mean(now, wrenches_.data());
         find_velocities(after, step.joint_system());
     }

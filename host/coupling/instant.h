@@ -41,11 +41,14 @@ public:
 
     /// What stands at t_n, the start of the step last committed, `step`; then the networks stand there too. now: poses at
     /// t_n, velocities over the step before; after: those over the step. Velocities are the means of those over the two
-    /// steps where joints turn (J at t_n would share the turning over half a step between a heavy body and one that is
-    /// stiffly held), in the row of an impact on a stop, with an explicit scheme, and where a plugin does not tell what
-    /// stands; in the row of an impact, and for such a plugin, accelerations and joint forces are the means over these steps
-    /// too, the impulse of the impact among them. time: t_n [s]. Throws Error(numerical_failure) where the joints' equations
-    /// are singular.
+    /// steps
+    ///   - where joints turn: J at t_n would share the turning over half a step between a heavy body and one that is stiffly
+    ///     held,
+    ///   - with numerical damping: the mean wrench of Newmark's rule then hangs on velocities not yet known,
+    ///   - in the row of an impact on a stop, with an explicit scheme, and where a plugin does not tell what stands.
+    /// In the row of an impact, and for such a plugin, accelerations and joint forces are the means over these steps too,
+    /// the impulse of the impact among them. time: t_n [s]. Throws Error(numerical_failure) where the joints' equations are
+    /// singular.
     const Instant& solve(double time, const StepEquations& step, const std::vector<BodyState>& now,
                          const std::vector<BodyState>& after, Networks& networks, const Loads& loads);
 
@@ -62,7 +65,7 @@ private:
 
     std::vector<Inertia> inertias_;
     std::vector<Eigen::Matrix3d> inverse_moments_;  ///< of inertia, body axes
-    bool joints_turn_;                              ///< some leave a rotation free, or have a motor
+    bool has_means_;  ///< of velocities: some joint leaves a rotation free or has a motor, or the scheme damps
     double h_ = 0, start_time_ = 0;
     std::vector<BodyState> start_;  ///< as given
     Instant instant_;

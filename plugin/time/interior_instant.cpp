@@ -30,7 +30,7 @@ void InteriorInstant::find_velocities(std::span<const Vector6> mean_wrenches) {
         Vector6 wrench = mean_wrenches[f];
         if (inside_.load_of[i] >= 0) wrench += 0.5 * (inside_.frame_load(i).load[1] + inside_.frame_load(i).load[2]);
         Twist& v = velocities_[i] = inside_.past.mean(i);  // at the start the initial velocities
-        if (inside_.mechanism.steps == 1) continue;
+        if (inside_.mechanism.steps == 1 || !inside_.mechanism.scheme.is_trapezoidal()) continue;
         if (!inside_.massless.is_massless(i, 0))
             v.linear =
                 inside_.past.velocity[i].linear - half_step * (head(wrench) / inside_.inertias[i].mass + inside_.gravity);

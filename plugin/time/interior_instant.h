@@ -22,7 +22,7 @@ public:
     void make_room_for_steps();
 
     /// Velocities of frames with mass: Newmark's, those over the step less half of what its mean wrenches (of the joints, on
-    /// all frames) add per step. The others have the mean of those over the two steps.
+    /// all frames) add per step. The others have the mean of those over the two steps, and with numerical damping all have.
     void find_velocities(std::span<const Vector6> mean_wrenches);
     /// Velocities of massless frames where dampers act, and the forces of rigid directions on massless frames: by the
     /// balance of the instant. rate(j): of the joints' deformations, as known. At rest the velocities that would balance are

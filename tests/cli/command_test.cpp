@@ -220,7 +220,7 @@ TEST(Command, AForceThatRingsFromStepToStepIsToldWithItsElement) {
     };
     EXPECT_THAT(complaint(1e12), AllOf(HasSubstr("warning: the force of element \"pin\" alternates from step to step by"),
                                        HasSubstr("a vibration that the step of 0.001 s does not follow"),
-                                       HasSubstr("a shorter step, damping of the element, or a spectral_radius of 0.9")));
+                                       HasSubstr("a shorter step or damping of the element, or a spectral_radius of 0.9")));
     EXPECT_EQ(complaint(1e5), "");
 }
 

@@ -222,6 +222,29 @@ TEST(Command, AForceThatRingsFromStepToStepIsToldWithItsElement) {
                                        HasSubstr("a vibration that the step of 0.001 s does not follow"),
                                        HasSubstr("a shorter step or damping of the element, or a spectral_radius of 0.9")));
     EXPECT_EQ(complaint(1e5), "");
+    // It falls on a damper that stops it within 1 us: what the run has already is not advised
+    write_text(folder / "damped.toml", R"(format = "dttmm/1"
+[simulation]
+duration = 0.01
+step = "1 ms"
+gravity = [2, -9.5, 1]
+spectral_radius = 0.9
+[[body]]
+name = "b"
+mass = 0.24
+inertia = [0.003, 0.004, 0.005]
+[[element]]
+name = "e"
+type = "spring_damper"
+from = "ground"
+to = "b"
+stiffness = 6e8
+rotational_stiffness = 2e7
+damping = 3e5
+rotational_damping = 1e4
+)");
+    EXPECT_THAT(run_dttmm(folder.path(), {"run", "damped.toml"}).err,
+                AllOf(HasSubstr("element \"e\" alternates"), testing::Not(HasSubstr("spectral_radius"))));
 }
 
 // Oracle: under Newmark's rule the ledger of small vibrations closes at every step; the explicit scheme's is off by

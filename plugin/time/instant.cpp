@@ -21,9 +21,9 @@ Twist Instant::velocity(int frame) const {
     return interior_ ? interior_->instant().velocity(frame) : Twist{};
 }
 
-/// Of a joint's deformation. Where rigid directions act, whose forces are known over the step only, velocities of the
-/// instant differ from each other by what these lack, of which a stiff damper would make forces: there the increments tell
-/// the rate.
+/// Of a joint's deformation. Where rigid directions act somewhere, whose forces are known over the step only, velocities of
+/// the instant differ from each other by what these lack, of which a stiff damper would make forces: there the increments
+/// tell the rate.
 Vector6 Instant::deformation_rate(size_t j) const {
     const Joint& joint = mechanism_.joints[j];
     const FrameView from = mechanism_.frame_before(joint.from()), to = mechanism_.frame_before(joint.to());
@@ -31,8 +31,8 @@ Vector6 Instant::deformation_rate(size_t j) const {
         if (!joint.is_line()) return joint.rate(from, v_from, to, v_to);
         return joint.rate(from, v_from, to, v_to, mechanism_.states[j].deformation_before());
     };
-    const bool is_by_increments = by_increments_ || (interior_ && interior_->has_rigid_directions());
-    if (!is_by_increments || mechanism_.steps == 1) return rate_of(velocity(joint.from()), velocity(joint.to()));
+    if (!(by_increments_ || has_rates_by_increments_) || mechanism_.steps == 1)
+        return rate_of(velocity(joint.from()), velocity(joint.to()));
     const auto correction = [&](int frame) { return interior_ ? interior_->instant().correction(frame) : Twist{}; };
     Vector6 total = rate_of(correction(joint.from()), correction(joint.to()));
     const double per_step = 0.5 / mechanism_.scheme.step_size();

@@ -62,6 +62,9 @@ public:
     /// bodies that have the means of their velocities over the two steps around t_n.
     void mean_wrench(double* wrench) const;
     void stand(const dttmm_motion* bodies, const double* accelerations, double* wrench) const;
+    bool has_rigid_directions() const { return interior_ && interior_->has_rigid_directions(); }
+    /// See Instant.
+    void take_rates_by_increments() { instant_.take_rates_by_increments(); }
     /// Adds what of the mean wrench stems from rigid directions: their forces at the start of that step.
     void add_rigid_wrenches(double* wrench) const { instant_.add_rigid_wrenches(wrench); }
 

@@ -61,7 +61,7 @@ Ledger read_ledger(const Recorder& recorder, const Model& model, double step) {
     return ledger;
 }
 
-/// A cure beside another, where the run does not have it already.
+/// Advice to add after another; empty where numerical damping is not possible, or there already.
 const char* or_numerical_damping(const Model& model) {
     const bool helps = model.simulation.coupling == Coupling::implicit && model.simulation.spectral_radius == 1;
     return helps ? ", or a spectral_radius of 0.9" : "";

@@ -200,10 +200,10 @@ void InstantSolver::find_accelerations(const JointSystem& joints) {
 /// At the start networks are asked with the accelerations of the bodies. Where they join masses rigidly to bodies their
 /// wrench is W(a) = W(0) − N a, N symmetric and not negative: the inertia of these masses. Conjugate gradients solve
 /// (M + N) a + Jᵀ q = f + W(0), preconditioned by M and the joints. Where N is zero they end with the second wrench. At rest
-/// accelerations are the rounding of forces in balance: these forces, not what is left of them, say what is small.
+/// the accelerations are rounding errors. The tolerance is then relative to the forces in balance.
 void InstantSolver::settle_accelerations(const JointSystem& joints, const std::vector<BodyState>& now, Networks& networks,
                                          const Loads& loads) {
-    constexpr double kEnough = 1e-13;    // of the accelerations, or what the networks' wrenches alone would make of them
+    constexpr double kEnough = 1e-13;    // of the accelerations, or of what loads and networks alone would make
     constexpr double kRoundOff = 1e-6;   // below this a correction that does not shrink is round-off of the wrench
     constexpr int kMostIterations = 50;  // without rounding there are 6 per body on such masses at most
     const auto ask_networks = [&] {
@@ -218,13 +218,11 @@ void InstantSolver::settle_accelerations(const JointSystem& joints, const std::v
         for (size_t b = 0; b < trial_.size(); ++b) trial_[b] += share * direction_[b];
     };
     trial_ = instant_.accelerations;
+    std::ranges::fill(wrenches_, 0.0);
+    loads.add_at_start(now, wrenches_.data());
+    double reference = norm_of_wrenches();
     ask_networks();
-    double by_wrenches = 0;
-    for (size_t b = 0; b < trial_.size(); ++b) {
-        const Eigen::Map<const Vector6> wrench(&wrenches_[6 * b]);
-        const Eigen::Vector3d moment = instant_.at[b].rotation.transpose() * wrench.tail<3>();
-        by_wrenches += wrench.head<3>().squaredNorm() / inertias_[b].mass + moment.dot(inverse_moments_[b] * moment);
-    }
+    reference += norm_of_wrenches();
     loads.add_at_start(now, wrenches_.data());
     find_accelerations(joints);
     trial_ = instant_.accelerations;  // from here on all keep the joints closed
@@ -235,7 +233,7 @@ void InstantSolver::settle_accelerations(const JointSystem& joints, const std::v
         trial_wrenches_ = wrenches_;
         find_accelerations(joints);
         for (size_t b = 0; b < trial_.size(); ++b) residual_[b] = instant_.accelerations[b] - trial_[b];
-        const double size = norm(residual_), all = std::max(norm(trial_), by_wrenches);
+        const double size = norm(residual_), all = std::max(norm(trial_), reference);
         const bool shrinks = iteration == 0 || size < before;
         if (!(size > kEnough * kEnough * all) || (!shrinks && size < kRoundOff * kRoundOff * all)) return;
         if (iteration == kMostIterations) return;
@@ -258,6 +256,17 @@ double InstantSolver::norm(const BodyVectors& a) const {
     for (size_t b = 0; b < a.size(); ++b) {
         const Eigen::Vector3d linear = a[b].head<3>(), angular = a[b].tail<3>();
         sum += inertias_[b].mass * linear.squaredNorm() + angular.dot(inertias_[b].turned(instant_.at[b].rotation, angular));
+    }
+    return sum;
+}
+
+/// fᵀ M⁻¹ f of wrenches_
+double InstantSolver::norm_of_wrenches() const {
+    double sum = 0;
+    for (size_t b = 0; b < inertias_.size(); ++b) {
+        const Eigen::Map<const Vector6> wrench(&wrenches_[6 * b]);
+        const Eigen::Vector3d moment = instant_.at[b].rotation.transpose() * wrench.tail<3>();
+        sum += wrench.head<3>().squaredNorm() / inertias_[b].mass + moment.dot(inverse_moments_[b] * moment);
     }
     return sum;
 }

@@ -44,7 +44,7 @@ public:
     /// steps
     ///   - where joints turn: J at t_n would share the turning over half a step between a heavy body and one that is stiffly
     ///     held,
-    ///   - with numerical damping: the mean wrench of Newmark's rule then hangs on velocities not yet known,
+    ///   - with numerical damping: v_n = v_{n+1/2} − h [(1/2 − β) a_n + β a_{n+1}], and a_n depends on v_n by the dampers,
     ///   - in the row of an impact on a stop, with an explicit scheme, and where a plugin does not tell what stands.
     /// In the row of an impact, and for such a plugin, accelerations and joint forces are the means over these steps too,
     /// the impulse of the impact among them. time: t_n [s]. Throws Error(numerical_failure) where the joints' equations are
@@ -61,6 +61,7 @@ private:
     void settle_accelerations(const JointSystem& joints, const std::vector<BodyState>& now, Networks& networks,
                               const Loads& loads);
     double norm(const BodyVectors& a) const;
+    double norm_of_wrenches() const;
     void find_joint_wrenches(const JointSystem& joints, const BlockMatrix& matrix, const Eigen::VectorXd& impulses);
 
     std::vector<Inertia> inertias_;

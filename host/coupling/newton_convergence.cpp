@@ -44,7 +44,7 @@ void NewtonConvergence::take(const dttmm_progress& progress) {
     last_ = progress;
     last_.enough = std::max(progress.enough, noise_);
     ++passes_;
-    is_done_ = judge();
+    is_done_ = judge(progress.enough);
     if (!is_done_) not_done_ = passes_;
 }
 
@@ -59,14 +59,15 @@ void NewtonConvergence::measure(const dttmm_progress& progress) {
     is_slow_ = rate > kSlow && progress.correction > kNearRounding * progress.enough;
 }
 
-bool NewtonConvergence::judge() {
+/// rounding: a correction that is not larger is nothing else.
+bool NewtonConvergence::judge(double rounding) {
     if (last_.is_new && passes_ == 1) return false;
     if (last_.correction <= last_.enough) return true;
     const double tolerance = std::max(last_.enough, std::min(limits_.first * first_, limits_.motion * last_.motion)),
                  allowed = limits_.impulse * last_.impulse;
     if (motion_.left(last_.correction) <= tolerance && momentum_.left(last_.residual) <= allowed) return true;
     if (passes_ <= kPassesToFall || last_.correction <= 0.5 * last_.previous ||
-        last_.correction > limits_.rounding * last_.motion || last_.residual > allowed)
+        last_.correction > std::max(limits_.rounding * last_.motion, kNearRounding * rounding) || last_.residual > allowed)
         return false;
     noise_ = last_.correction;
     return true;

@@ -32,7 +32,7 @@ public:
         double motion;    ///< share of it
         double first;     ///< share of the first correction of the step
         double impulse;   ///< share of the largest
-        double rounding;  ///< share of the motion that corrections may be which fall no longer
+        double rounding;  ///< share of the motion, or near rounding: corrections may be that which fall no longer
     };
     /// Bodies are found to rounding: their momentum is exact, and forces grow with stiffness.
     static constexpr Limits kBodies{1e-13, 1, 1, 1e-9};
@@ -56,7 +56,7 @@ public:
 
 private:
     void measure(const dttmm_progress& progress);
-    bool judge();
+    bool judge(double rounding);
 
     Limits limits_;
     Contraction motion_, momentum_;

@@ -346,8 +346,8 @@ typedef struct dttmm_plugin {
      * loads plus the forces recorded at that instant.
      *
      * The mean wrench on the bodies (6 per body) over the step last committed: the mean of the elastic forces at its two
-     * ends, dampers at the mean rate. From it the host finds the velocities at the start t_n of that step,
-     * v_n = (velocity over the step) - h/2 (mean wrench)/mass, which are Newmark's own. [after a commit] */
+     * ends, dampers at the mean rate. From it the host finds the velocities at its start, v_n = (velocity over the step)
+     * - h/2 (mean wrench)/mass, Newmark's for beta = 1/4, gamma = 1/2. For others it takes means. [after a commit] */
     dttmm_status (*mean_wrench)(dttmm_instance* instance, double* wrench, dttmm_error* error);
     /* What stands at t_n when the bodies have the poses and the velocities of `bodies` there; wrench: on them at that
      * instant. outputs() are then of that instant. accelerations: of the bodies there (6 per body), in the first row; else

@@ -54,7 +54,7 @@ typedef struct dttmm_static_table {
      */
     dttmm_status (*move)(dttmm_instance* instance, const dttmm_motion* bodies, double share, double* wrench,
                          dttmm_static_measure* measure, dttmm_error* error);
-    /* Like dttmm_plugin.start, but everything at rest where the last move has led. [after form] */
+    /* Like dttmm_plugin.start, but all at rest and in balance where the last move has led, under its loads. [after form] */
     dttmm_status (*start)(dttmm_instance* instance, const dttmm_step* step, const dttmm_motion* bodies, const double* loads,
                           dttmm_error* error);
 } dttmm_static_table;

@@ -84,7 +84,7 @@ struct InnerMemory {
         double load_work = 0;                    ///< of the loads up to t_{n−1} [J]
         double last_work = 0;                    ///< over the step from there to t_n [J]
         double is_slow = 0;                      ///< 1: some step was slow; laws are found together from then on
-        double is_at_rest = 0;                   ///< 1: everything starts at rest
+        double starts_at_rest = 0;               ///< 1: the run has started at rest, in balance
     };
     Record record;
 

@@ -12,6 +12,7 @@ Instant::Instant(const PortBodies& bodies, Interior* interior)
     : bodies_(bodies),
       mechanism_(bodies.mechanism),
       interior_(interior),
+      has_rates_by_increments_(interior && interior->has_rigid_directions()),
       port_velocities_(bodies.bodies.size()),
       forces_(mechanism_.joints.size(), Vector6::Zero()),
       wrenches_(mechanism_.frames.size(), Vector6::Zero()) {}
@@ -21,9 +22,9 @@ Twist Instant::velocity(int frame) const {
     return interior_ ? interior_->instant().velocity(frame) : Twist{};
 }
 
-/// Of a joint's deformation. Where rigid directions act somewhere, whose forces are known over the step only, velocities of
-/// the instant differ from each other by what these lack, of which a stiff damper would make forces: there the increments
-/// tell the rate.
+/// Of a joint's deformation. The forces of rigid directions are known over a step only. Velocities at the instant lack what
+/// these forces change within it, and a stiff damper would make large forces of that. Where the machine has rigid
+/// directions, rates are therefore those of the increments.
 Vector6 Instant::deformation_rate(size_t j) const {
     const Joint& joint = mechanism_.joints[j];
     const FrameView from = mechanism_.frame_before(joint.from()), to = mechanism_.frame_before(joint.to());

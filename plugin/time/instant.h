@@ -22,8 +22,8 @@ public:
     /// For a host that does not say how the ports move then. earlier_frames: the ports at t_{n−1}; start: their velocities
     /// at the start of the run.
     void find_by_centred_velocities(const std::vector<Frame>& earlier_frames, const std::vector<Twist>& start);
-    /// From now on increments tell the rates of deformations, not the velocities at an instant. For all networks of a
-    /// machine that has rigid directions in one of them.
+    /// From now on rates of deformations are those of their increments, but in the first row, which has the initial
+    /// velocities. For all networks of a machine that has rigid directions in one of them.
     void take_rates_by_increments() { has_rates_by_increments_ = true; }
     bool is_known() const { return is_known_; }
     void forget() { is_known_ = false; }
@@ -44,9 +44,10 @@ private:
     PortBodies bodies_;
     const Mechanism& mechanism_;
     Interior* interior_;
+    bool has_rates_by_increments_;
     std::vector<Twist> port_velocities_;
     std::vector<Vector6> forces_, wrenches_;
-    bool is_known_ = false, has_rates_by_increments_ = false;
+    bool is_known_ = false;
     bool by_increments_ = false;  ///< the host has not said how the ports move then
 };
 

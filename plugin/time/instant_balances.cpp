@@ -164,7 +164,8 @@ void InstantBalances::drop_dependent_rows(const Balance& balance) const {
 
 /// Leaves out halves with a mass, and rigid directions of which nothing but rounding is left then, as of a force along the
 /// arm of a point mass; brings the rest to units of what damper and spring do over a step: a weak damper is a small pivot in
-/// them. What a force makes of a rotation by the rounding of its lever is no unit: only rigid directions hold that rotation.
+/// them. A lever that is rounding gives a rotation no damping of its own: the unit is not taken from that. Only rigid
+/// directions hold such a rotation.
 void InstantBalances::scale_balance(const Balance& balance, double h) const {
     Eigen::MatrixXd &A = balance.matrix, &K = balance.stiffness;
     Eigen::VectorXd &r = balance.right_hand_side, &d = balance.scale;

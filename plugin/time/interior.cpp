@@ -72,7 +72,7 @@ void Interior::follow(std::span<Vector6> motion) const {
 }
 
 void Interior::start(Ports ports, const double* accelerations, const double* loads, const std::vector<Frame>* at_rest) {
-    inside_.record = {.is_at_rest = at_rest ? 1.0 : 0.0};
+    inside_.record = {.starts_at_rest = at_rest ? 1.0 : 0.0};
     begin(at_rest ? InnerStart(inside_, *at_rest) : InnerStart(inside_, matrix_.elimination(), ports), ports, accelerations,
           loads);
     instant_.form_first_balance();
@@ -90,7 +90,7 @@ void Interior::begin(InnerStart start, Ports ports, const double* accelerations,
     std::ranges::fill(inside_.rigid, 0.0);
     loads_.read(loads);
     loads_.start_loads();
-    start.balance(inside_.step_size());
+    if (inside_.record.starts_at_rest == 0) start.balance(inside_.step_size());
     balance_at_start(start, ports, accelerations);
     for (size_t p = 0; p < inside_.port_u.size(); ++p) inside_.port_u[p] = joined(start.velocity(as_int(p)));
     inside_.port_u_before = inside_.port_u;
@@ -104,7 +104,8 @@ void Interior::balance_at_start(const InnerStart& start, Ports ports, const doub
         Joint::add_wrench(start.force(j), wrenches[as_size(joint.from())].data(), wrenches[as_size(joint.to())].data());
     }
     std::vector<Twist> acceleration = start.set_inertias(inside_, wrenches);
-    if (inside_.record.is_at_rest != 0) {  // in balance, with the forces of rigid directions, which the wrenches leave out
+    if (inside_.record.starts_at_rest !=
+        0) {  // in balance, with the forces of rigid directions, which the wrenches leave out
         std::ranges::fill(inside_.momenta, Vector6::Zero());
         std::ranges::fill(acceleration, Twist{});
     }

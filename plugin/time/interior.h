@@ -47,7 +47,7 @@ public:
     void follow(std::span<Vector6> motion) const;
 
     /// Throws Error(DTTMM_ERROR_MODEL) naming a node whose given velocity rigid directions, or other nodes on its rigid
-    /// body, forbid. at_rest: the frames, if it starts at rest and they are not as described.
+    /// body, forbid. at_rest: the frames, if it starts at rest and in balance.
     void start(Ports ports, const double* accelerations, const double* loads, const std::vector<Frame>* at_rest = nullptr);
     /// loads: NULL: none. Forms the matrix anew where the last step has left it stale; throws Error, nothing being changed,
     /// if that is singular or a rotational spring has turned too far.

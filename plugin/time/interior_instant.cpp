@@ -187,7 +187,7 @@ InstantBalances::Acting InteriorInstant::rate_of_force(size_t j, const Twist& fr
 
 Vector6 InteriorInstant::rigid_force_over_step(size_t j) const {
     Vector6 q = inside_.rigid_values(j, inside_.rigid);
-    if (inside_.mechanism.steps == 1 && inside_.record.is_at_rest == 0) q *= 2;
+    if (inside_.mechanism.steps == 1 && inside_.record.starts_at_rest == 0) q *= 2;
     q.tail<3>() = moment_of_gradient(inside_.mechanism.states[j].theta_before, q.tail<3>()).eval();
     return q;
 }

@@ -22,7 +22,7 @@ public:
     void make_room_for_steps();
 
     /// Velocities of frames with mass: Newmark's, those over the step less half of what its mean wrenches (of the joints, on
-    /// all frames) add per step. The others have the mean of those over the two steps, and with numerical damping all have.
+    /// all frames) add per step. The others have the mean of those over the two steps. With numerical damping all have it.
     void find_velocities(std::span<const Vector6> mean_wrenches);
     /// Velocities of massless frames where dampers act, and the forces of rigid directions on massless frames: by the
     /// balance of the instant. rate(j): of the joints' deformations, as known. At rest the velocities that would balance are
@@ -41,7 +41,7 @@ public:
                     mechanism.joints[j].elastic(state.deformation_before(), mechanism.memory_before(j))};
             },
             [&](size_t i) { return inside_.frame_load(i).load[2]; }, velocities_, corrections_, rigid_);
-        if (mechanism.steps > 1 || inside_.record.is_at_rest == 0) return;
+        if (mechanism.steps > 1 || inside_.record.starts_at_rest == 0) return;
         for (auto* list : {&velocities_, &corrections_}) std::ranges::fill(*list, Twist{});
     }
     /// What that has added to the velocity of a frame's origin, world.

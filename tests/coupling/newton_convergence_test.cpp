@@ -91,6 +91,17 @@ TEST(NewtonConvergence, TakesForRoundingWhatNoLongerFalls) {
     EXPECT_EQ(pass_done(unbalanced, noise(0.5e-7, 1e-6)), 0);
 }
 
+TEST(NewtonConvergence, TakesForRoundingWhatNoLongerFallsNearIt) {
+    const auto done = [](double size) {  // of what hardly moves; 1e-15 is rounding
+        std::vector<dttmm_progress> passes;
+        for (int n = 0; n < 9; ++n) passes.push_back({size, n == 0 ? 0 : size, 1e-9, 1e-15, 0, 1, 0, -1});
+        NewtonConvergence bodies(NewtonConvergence::kBodies);
+        return pass_done(bodies, passes);
+    };
+    EXPECT_EQ(done(5e-15), 5);
+    EXPECT_EQ(done(20e-15), 0);
+}
+
 TEST(NewtonConvergence, FindsBodiesToRounding) {
     NewtonConvergence bodies(NewtonConvergence::kBodies);
     EXPECT_EQ(pass_done(bodies, {part(1e-2, 0), part(1e-6, 1e-2), part(1e-10, 1e-6)}), 3);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/rotation.h"
@@ -18,8 +19,8 @@ namespace {
 constexpr double kLeastDamping = 1e-4;
 /// Of the largest diagonal, of the largest pivot: rounding.
 constexpr double kNothing = 1e-13;
-/// A lever [m] of a force on what moves it by one: rounding of places.
-constexpr double kRoundingOfLever = 1e-12;
+/// A lever of a force on what moves it by one that is rounding of places: at least this [m], and this share of them.
+constexpr double kRoundingOfLever = 1e-12, kRoundingOfPlaces = 8 * std::numeric_limits<double>::epsilon();
 
 /// x of P A Q = L U with the right-hand side r, by the pivots above `least` of the largest; the rest of x is zero. Returns
 /// their number.
@@ -170,9 +171,10 @@ void InstantBalances::scale_balance(const Balance& balance, double h) const {
     Eigen::MatrixXd &A = balance.matrix, &K = balance.stiffness;
     Eigen::VectorXd &r = balance.right_hand_side, &d = balance.scale;
     const auto count = as_row(6 * balance.group.frames.size());
+    const double lever = std::max(kRoundingOfLever, kRoundingOfPlaces * balance.farthest);
     for (Eigen::Index i = 0; i < count; ++i) d(i) = A(i, i) + h * K(i, i);
     for (Eigen::Index i = 0; i < count; i += 6) {
-        const double least = kRoundingOfLever * kRoundingOfLever * d.segment<3>(i).maxCoeff();
+        const double least = lever * lever * d.segment<3>(i).maxCoeff();
         for (double& turning : d.segment<3>(i + 3))
             if (turning <= least) turning = 0;
     }
@@ -189,7 +191,7 @@ void InstantBalances::scale_balance(const Balance& balance, double h) const {
             d.segment<3>(at).setZero();
         }
     for (Eigen::Index i = count; i < A.rows(); ++i) {
-        if (A.row(i).head(count).norm() > kRoundingOfLever * d(i)) continue;
+        if (A.row(i).head(count).norm() > lever * d(i)) continue;
         A.row(i).setZero();
         A.col(i).setZero();
         r(i) = 0;

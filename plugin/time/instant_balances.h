@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <vector>
 
 #include "time/massless_set.h"
@@ -37,11 +38,13 @@ public:
             balance.matrix.setZero();
             balance.stiffness.setZero();
             balance.right_hand_side.setZero();
+            balance.farthest = 0;
             for (size_t k = 0; k < balance.group.frames.size(); ++k)
                 balance.right_hand_side.segment<6>(as_row(6 * k)) = load(set_.frames()[balance.group.frames[k]]);
             for (size_t j : balance.group.joints) {
                 const Joint& joint = mechanism.joints[j];
                 const FrameView from = frames[as_size(joint.from())], to = frames[as_size(joint.to())];
+                balance.farthest = std::max({balance.farthest, from.origin().norm(), to.origin().norm()});
                 add_balance(mechanism, balance, j, joint.pose(from, to), acting(j), q);
             }
             solve_balance(balance, h, velocities, corrections, q);
@@ -56,6 +59,7 @@ private:
         mutable Eigen::MatrixXd matrix, stiffness, directions;
         mutable Eigen::VectorXd right_hand_side, solution, scale, follow;
         mutable Eigen::FullPivLU<Eigen::MatrixXd> lu;
+        mutable double farthest = 0;                ///< of its frames from the origin [m]
         mutable Eigen::MatrixXd undamped, reduced;  ///< columns: motions that no damper resists; what springs make of them
     };
     int frame_in(const Mechanism& mechanism, const Balance& balance, int frame) const;

@@ -104,8 +104,8 @@ void Interior::balance_at_start(const InnerStart& start, Ports ports, const doub
         Joint::add_wrench(start.force(j), wrenches[as_size(joint.from())].data(), wrenches[as_size(joint.to())].data());
     }
     std::vector<Twist> acceleration = start.set_inertias(inside_, wrenches);
-    if (inside_.record.starts_at_rest !=
-        0) {  // in balance, with the forces of rigid directions, which the wrenches leave out
+    // In balance with the forces of rigid directions, which the wrenches leave out
+    if (inside_.record.starts_at_rest != 0) {
         std::ranges::fill(inside_.momenta, Vector6::Zero());
         std::ranges::fill(acceleration, Twist{});
     }

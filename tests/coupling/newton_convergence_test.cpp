@@ -98,8 +98,8 @@ TEST(NewtonConvergence, TakesForRoundingWhatNoLongerFallsNearIt) {
         NewtonConvergence bodies(NewtonConvergence::kBodies);
         return pass_done(bodies, passes);
     };
-    EXPECT_EQ(done(5e-15), 5);
-    EXPECT_EQ(done(20e-15), 0);
+    EXPECT_EQ(done(6e-15), 5);
+    EXPECT_EQ(done(19e-15), 0);
 }
 
 TEST(NewtonConvergence, FindsBodiesToRounding) {

@@ -137,7 +137,8 @@ ExitCode run(const Request& request, Session& session, const ResultsFolder& fold
     const auto make_recorder = [&](Recorder::Rows rows) {
         const Attributes attributes = {
             {"title", session.model.title}, {"version", DTTMM_VERSION}, {"model", session.model.source}};
-        return Recorder(folder, session.simulation.channels(), session.selection, attributes, rows);
+        return Recorder(folder, session.simulation.channels(), session.selection, attributes, rows,
+                        session.halving ? Recorder::every_channel : counts_in_summary);
     };
     std::optional<TraceFile> trace;
     if (request.trace) trace.emplace(*request.trace);

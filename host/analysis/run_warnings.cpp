@@ -23,8 +23,8 @@ struct Ledger {
     double rounding = 0;                                     ///< below this the ledger tells nothing [J]
 };
 
-/// Of an element or joint, or of a section of one.
-bool is_force(const Channel& channel) { return channel.quantity().ends_with("force"); }
+/// Of an element or joint.
+bool is_force(const Channel& channel) { return channel.quantity() == "force"; }
 
 /// Largest force of the elements and joints recorded [N].
 double find_largest_force(const Recorder& recorder) {

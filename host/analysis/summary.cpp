@@ -2,6 +2,7 @@
 #include "analysis/summary.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <array>
 #include <bit>
 
@@ -9,9 +10,8 @@
 #include <fstream>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string_view>
-#include <unordered_map>
-#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -100,24 +100,27 @@ using Wanted = std::function<bool(const Channel&)>;
 /// called for every owner: all of them together may be too large for the memory.
 template <class Tell>
 void describe_channels(const Recorder& recorder, const Wanted& wanted, const Tell& tell) {
-    std::vector<std::vector<size_t>> channels_of;  // by owner
-    std::unordered_map<std::string_view, size_t> index_of;
-    for (size_t c = 1; c < recorder.channels().size(); ++c) {
-        const Channel& channel = recorder.channels()[c];
-        if (!wanted(channel)) continue;
-        const size_t index = index_of.try_emplace(channel.owner(), channels_of.size()).first->second;
-        if (index == channels_of.size()) channels_of.emplace_back();
-        channels_of[index].push_back(c);
+    const std::span<const Channel> all = recorder.channels();
+    std::vector<int> chosen;
+    chosen.reserve(as_size(std::ranges::count_if(all, wanted)));
+    for (int c = 1; c < as_int(all.size()); ++c)
+        if (wanted(all[as_size(c)])) chosen.push_back(c);
+    const auto owner = [&](int c) { return &all[as_size(c)].owner(); };
+    std::ranges::sort(chosen, {}, [&](int c) { return std::pair(owner(c), c); });
+    std::vector<std::span<const int>> owners;
+    for (auto rest = std::span<const int>(chosen); !rest.empty(); rest = rest.subspan(owners.back().size())) {
+        const auto end = std::ranges::find_if(rest, [&](int c) { return owner(c) != owner(rest.front()); });
+        owners.emplace_back(rest.begin(), end);
     }
-    for (const std::vector<size_t>& channels : channels_of) {
+    std::ranges::sort(owners, {}, [](std::span<const int> channels) { return channels.front(); });
+    for (const std::span<const int> channels : owners) {
         Json quantities;
-        for (size_t c : channels) {
-            const Channel& channel = recorder.channels()[c];
+        for (const int c : channels) {
+            const Channel& channel = all[as_size(c)];
             Json& quantity = quantities[channel.quantity()];
-            (channel.axis().empty() ? quantity : quantity[channel.axis()]) =
-                describe_statistics(recorder.statistics(as_int(c)));
+            (channel.axis().empty() ? quantity : quantity[channel.axis()]) = describe_statistics(recorder.statistics(c));
         }
-        tell(recorder.channels()[channels.front()].owner(), std::move(quantities));
+        tell(*owner(channels.front()), std::move(quantities));
     }
 }
 
@@ -128,14 +131,20 @@ void write_channels(JsonWriter& out, const char* section, const Recorder& record
     });
 }
 
-/// Whether a channel is a force or moment of an element, or of a joint; its angle or travel; the length of an element.
-Wanted is_of(Channel::Of of) {
-    return [of](const Channel& channel) {
-        const std::string& quantity = channel.quantity();
-        return channel.of() == of && (quantity == "force" || quantity == "moment" || quantity == "angle" ||
-                                      quantity == "travel" || quantity == "length");
-    };
+/// The force or moment of an element or joint; its angle or travel; its length.
+bool tells_of_link(const Channel& channel) {
+    const std::string& quantity = channel.quantity();
+    return (channel.of() == Channel::Of::element || channel.of() == Channel::Of::joint) &&
+           (quantity == "force" || quantity == "moment" || quantity == "angle" || quantity == "travel" ||
+            quantity == "length");
 }
+
+Wanted is_of(Channel::Of of) {
+    return [of](const Channel& channel) { return channel.of() == of && tells_of_link(channel); };
+}
+
+bool is_position(const Channel& channel) { return channel.quantity() == "position"; }
+bool is_acceleration(const Channel& channel) { return channel.quantity() == "acceleration"; }
 
 /// NaN, which JSON does not know, is null.
 Json number_json(double value) { return std::isnan(value) ? Json() : Json(value); }
@@ -292,6 +301,10 @@ Json describe_warnings(const Warnings& warnings) {
     return list;
 }
 
+bool counts_in_summary(const Channel& channel) {
+    return tells_of_link(channel) || is_position(channel) || is_acceleration(channel) || channel.of() == Channel::Of::energy;
+}
+
 void write_run(JsonWriter& out, const Model& model, const Request& request, const Plugins& plugins,
                const Simulation& simulation, const Recorder& recorder, const Outcome& outcome, const Halving* halving,
                const Warnings& warnings) {
@@ -330,9 +343,8 @@ void write_run(JsonWriter& out, const Model& model, const Request& request, cons
     out.member("energy", describe_energy(recorder));
     write_channels(out, "elements", recorder, is_of(Channel::Of::element));
     write_channels(out, "joints", recorder, is_of(Channel::Of::joint));
-    write_channels(out, "positions", recorder, [](const Channel& channel) { return channel.quantity() == "position"; });
-    write_channels(out, "accelerations", recorder,
-                   [](const Channel& channel) { return channel.quantity() == "acceleration"; });
+    write_channels(out, "positions", recorder, is_position);
+    write_channels(out, "accelerations", recorder, is_acceleration);
     out.member("inputs", describe_inputs(model, request));
     write_model(out, model, plugins.catalogue());
     if (halving) out.member("tolerance", describe_tolerance(*halving));

@@ -43,7 +43,7 @@ InstantSolver::InstantSolver(const Model& model)
       has_means_(model.simulation.spectral_radius < 1 || std::ranges::any_of(model.joints, turns_or_drives)),
       wrenches_(6 * model.bodies.size()),
       trial_wrenches_(wrenches_),
-      matrix_(as_int(model.bodies.size()), {}, JointSystem(model.bodies, model.joints).nodes()),
+      matrix_(model.joints.empty() ? 0 : as_int(model.bodies.size()), {}, JointSystem(model.bodies, model.joints).nodes()),
       factor_(matrix_) {
     for (const Body& body : model.bodies) inverse_moments_.push_back(body.inertia.inverse());
     for (Eigen::VectorXd* list : {&right_hand_side_, &proximal_, &solution_, &impulses_}) list->setZero(matrix_.size());

@@ -73,7 +73,7 @@ private:
     std::vector<double> wrenches_;              ///< 6 per body
     BodyVectors trial_, residual_, direction_;  ///< of settle_accelerations() [m/s², rad/s²]
     std::vector<double> trial_wrenches_;        ///< at the trial
-    BlockMatrix matrix_;                        ///< M and the joints
+    BlockMatrix matrix_;                        ///< M and the joints; of a machine without joints none
     BlockFactor factor_;
     Eigen::VectorXd right_hand_side_, proximal_, solution_, impulses_;  ///< impulses_: h q
 };

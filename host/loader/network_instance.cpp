@@ -8,7 +8,6 @@
 #include <limits>
 #include <set>
 #include <string_view>
-#include <tuple>
 
 #include "loader/guarded_array.h"
 #include "model/index.h"
@@ -32,13 +31,6 @@ Channel channel_of(const dttmm_channel& declared, const dttmm_network& network) 
                    is_of_element ? network.elements[declared.index].name : network.nodes[declared.index].name,
                    name.substr(0, dot), name.substr(std::min(dot + 1, name.size())), declared.unit,
                    declared.role == DTTMM_ROLE_RESULT);
-}
-
-/// What no two channels have alike. Equal owners and quantities stand at one address: see Channel.
-auto identity(const Channel* channel) {
-    using Text = const std::string*;
-    return std::tuple<Channel::Of, Text, Text, const std::string&>(channel->of(), &channel->owner(), &channel->quantity(),
-                                                                   channel->axis());
 }
 
 }  // namespace
@@ -144,11 +136,7 @@ void NetworkInstance::read_channels(const dttmm_network& network) {
         channels_.push_back(channel_of(channels[c], network));
         roles_.push_back(static_cast<uint8_t>(channels[c].role));
     }
-    std::vector<const Channel*> sorted;
-    sorted.reserve(count);
-    for (const Channel& channel : channels_) sorted.push_back(&channel);
-    std::ranges::sort(sorted, {}, identity);
-    if (std::ranges::adjacent_find(sorted, {}, identity) != sorted.end()) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
+    if (Channel::have_twins(channels_)) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
 }
 
 void NetworkInstance::read_parts() {

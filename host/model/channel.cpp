@@ -1,30 +1,147 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "model/channel.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <functional>
+#include <memory>
 #include <mutex>
-#include <set>
+#include <unordered_set>
 #include <utility>
+
+#include "model/error.h"
 
 namespace dttmm::host {
 
 namespace {
 
-/// The one copy of `value` of this process. Models of one process share their names, so it is never freed.
-template <class Value>
-const Value* keep(Value value) {
-    static std::mutex mutex;
-    static std::set<Value> kept;
-    const std::lock_guard lock(mutex);
-    return &*kept.insert(std::move(value)).first;
+/// One copy of each value, by number. A value stays where it is as long as the process runs: its models share them.
+template <class Value, class Hash>
+class Shelf {
+public:
+    /// The number of the value that `seen` shows. Threads may call it together.
+    template <class Seen>
+    uint32_t keep(const Seen& seen) {
+        const std::lock_guard lock(mutex_);
+        if (const auto found = numbers_.find(seen); found != numbers_.end()) return *found;
+        const auto number = static_cast<uint32_t>(numbers_.size());
+        const Place place(number);
+        if (place.index == 0) boards_[place.board] = std::make_unique<Value[]>(size_t{1} << place.board);
+        boards_[place.board][place.index] = Value(seen);
+        numbers_.insert(number);
+        return number;
+    }
+    /// number: from keep(). What other threads keep meanwhile leaves all that is read here alone.
+    const Value& operator[](uint32_t number) const {
+        const Place place(number);
+        return boards_[place.board][place.index];
+    }
+
+private:
+    /// Board b has room for 2^b values.
+    struct Place {
+        explicit Place(uint32_t number)
+            : board(static_cast<size_t>(std::bit_width(number + 1)) - 1), index(number + 1 - (size_t{1} << board)) {}
+        size_t board, index;
+    };
+    struct ByValue {
+        using is_transparent = void;
+        size_t operator()(uint32_t number) const { return Hash{}(shelf[number]); }
+        size_t operator()(const auto& seen) const { return Hash{}(seen); }
+        bool operator()(uint32_t a, uint32_t b) const { return a == b; }
+        bool operator()(const auto& seen, uint32_t number) const { return shelf[number] == seen; }
+        const Shelf& shelf;
+    };
+
+    std::mutex mutex_;
+    std::array<std::unique_ptr<Value[]>, 32> boards_;
+    std::unordered_set<uint32_t, ByValue, ByValue> numbers_{0, ByValue{*this}, ByValue{*this}};
+};
+
+struct TextHash {
+    size_t operator()(std::string_view text) const { return std::hash<std::string_view>{}(text); }
+};
+
+/// What few channels differ in; its texts are elsewhere.
+struct SeenForm {
+    std::string_view axis, unit;
+    Channel::Of of;
+    bool by_default;
+};
+
+struct Form {
+    Form() = default;
+    explicit Form(const SeenForm& seen) : axis(seen.axis), unit(seen.unit), of(seen.of), by_default(seen.by_default) {}
+    bool operator==(const SeenForm& seen) const {
+        return axis == seen.axis && unit == seen.unit && of == seen.of && by_default == seen.by_default;
+    }
+    std::string axis, unit;
+    Channel::Of of = Channel::Of::nothing;
+    bool by_default = false;
+};
+
+struct FormHash {
+    size_t operator()(const auto& form) const { return TextHash{}(form.axis) + 31 * TextHash{}(form.unit); }
+};
+
+using Texts = Shelf<std::string, TextHash>;
+
+Texts& owners() {
+    static Texts shelf;
+    return shelf;
+}
+
+Texts& quantities() {
+    static Texts shelf;
+    return shelf;
+}
+
+Shelf<Form, FormHash>& forms() {
+    static Shelf<Form, FormHash> shelf;
+    return shelf;
+}
+
+/// In so many bits.
+uint64_t fitting(uint32_t number, int bits) {
+    if (number >> bits != 0)
+        throw Error(ExitCode::resource_limit,
+                    fmt::format("the channels have more than {} names of one kind; divide the machine", 1U << bits));
+    return number;
 }
 
 }  // namespace
 
 Channel::Channel(Of of, std::string_view owner, std::string_view quantity, std::string_view axis, std::string_view unit,
                  bool by_default)
-    : owner_(keep(std::string(owner))),
-      quantity_(keep(std::string(quantity))),
-      axis_(keep(Axis{std::string(axis), std::string(unit), of, by_default})) {}
+    : owner_(fitting(owners().keep(owner), kTextBits) & kText),
+      quantity_(fitting(quantities().keep(quantity), kTextBits) & kText),
+      form_(fitting(forms().keep(SeenForm{axis, unit, of, by_default}), kFormBits) & kForm) {}
+
+Channel::Of Channel::of() const { return forms()[form_].of; }
+bool Channel::by_default() const { return forms()[form_].by_default; }
+const std::string& Channel::owner() const { return owners()[owner_]; }
+const std::string& Channel::quantity() const { return quantities()[quantity_]; }
+const std::string& Channel::axis() const { return forms()[form_].axis; }
+const std::string& Channel::unit() const { return forms()[form_].unit; }
+
+bool Channel::have_twins(std::vector<Channel> channels) {
+    const auto texts = [](const Channel& c) { return std::pair<uint64_t, uint64_t>(c.owner_, c.quantity_); };
+    const auto rest = [](const Channel& c) {
+        const Form& form = forms()[c.form_];
+        return std::pair<Of, const std::string&>(form.of, form.axis);
+    };
+    std::ranges::sort(channels, {}, texts);
+    for (auto first = channels.begin(); first != channels.end();) {
+        const auto end = std::find_if(first, channels.end(), [&](const Channel& c) { return texts(c) != texts(*first); });
+        std::ranges::sort(first, end, {}, rest);
+        if (std::ranges::adjacent_find(first, end, {}, rest) != end) return true;
+        first = end;
+    }
+    return false;
+}
 
 std::string Channel::without_axis() const { return owner().empty() ? quantity() : owner() + '.' + quantity(); }
 

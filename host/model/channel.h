@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace dttmm::host {
 
@@ -14,18 +16,19 @@ public:
     enum class Of : unsigned char { nothing, element, joint, body, marker, node, energy };
 
     /// quantity: may hold dots; axis: may be empty; unit: of the SI value, "1" for a pure number; by_default: recorded when
-    /// the user asks for nothing in particular.
+    /// the user asks for nothing in particular. Throws Error(resource_limit) for the 2^24th owner or quantity.
     Channel(Of of, std::string_view owner, std::string_view quantity, std::string_view axis, std::string_view unit,
             bool by_default = true);
     /// It belongs to nothing and has a name only, as "time" has.
     Channel(std::string_view name, std::string_view unit) : Channel(Of::nothing, {}, name, {}, unit) {}
 
-    Of of() const { return axis_->of; }
-    bool by_default() const { return axis_->by_default; }
-    const std::string& owner() const { return *owner_; }
-    const std::string& quantity() const { return *quantity_; }
-    const std::string& axis() const { return axis_->name; }
-    const std::string& unit() const { return axis_->unit; }
+    Of of() const;
+    bool by_default() const;
+    // These texts stay where they are as long as the process runs; equal owners stand at one address
+    const std::string& owner() const;
+    const std::string& quantity() const;
+    const std::string& axis() const;
+    const std::string& unit() const;
 
     /// "bolt1.force.x": owner, quantity, axis.
     std::string name() const;
@@ -33,18 +36,14 @@ public:
     std::string name_in_owner() const;
     /// Owner and quantity: what its axes have in common.
     std::string without_axis() const;
+    /// Whether two of them belong to the same and have the same name.
+    static bool have_twins(std::vector<Channel> channels);
 
 private:
-    /// What few channels differ in.
-    struct Axis {
-        std::string name, unit;
-        Of of;
-        bool by_default;
-        auto operator<=>(const Axis&) const = default;
-    };
-
-    const std::string *owner_, *quantity_;
-    const Axis* axis_;
+    static constexpr int kTextBits = 24, kFormBits = 16;
+    static constexpr uint64_t kText = (1U << kTextBits) - 1, kForm = (1U << kFormBits) - 1;
+    // Numbers of what is kept once; form: axis, unit and the rest
+    uint64_t owner_ : kTextBits, quantity_ : kTextBits, form_ : kFormBits;
 };
 
 }  // namespace dttmm::host

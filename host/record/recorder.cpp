@@ -24,10 +24,10 @@ std::vector<Column> pick(std::span<const Channel> all, const std::vector<int>& s
 
 }  // namespace
 
-Recorder::Recorder(std::span<const Channel> all) : channels_(all), statistics_(as_row(channels_.size())) { find_forces(); }
+Recorder::Recorder(std::span<const Channel> all, Counts counts) : channels_(all) { find_counted(counts); }
 
 Recorder::Recorder(const ResultsFolder& folder, std::span<const Channel> all, std::vector<int> selection,
-                   const Attributes& attributes, Rows rows)
+                   const Attributes& attributes, Rows rows, Counts counts)
     : channels_(all), selection_(std::move(selection)) {
     std::vector<Column> picked = pick(channels_, selection_);
     check_columns(picked);
@@ -37,21 +37,31 @@ Recorder::Recorder(const ResultsFolder& folder, std::span<const Channel> all, st
             picked.push_back({picked[i].name + ".error", picked[i].unit});
     selected_values_.resize(picked.size());
     hdf5_.emplace(folder.file("history.h5"), picked, attributes);
-    statistics_ = Statistics(as_row(channels_.size()));  // last: HDF5 writes the attributes with several copies of them
-    find_forces();
+    find_counted(counts);  // last: HDF5 writes the attributes with several copies of them
 }
 
-void Recorder::find_forces() {
-    const auto is_force = [](const Channel& channel) { return channel.unit() == "N" && channel.by_default(); };
-    forces_.reserve(as_size(std::ranges::count_if(channels_, is_force)));
-    for (std::size_t c = 0; c < channels_.size(); ++c)
-        if (is_force(channels_[c])) forces_.push_back({as_int(c)});
+void Recorder::find_counted(Counts counts) {
+    const auto is_force = [&](int c) { return channels_[as_size(c)].unit() == "N" && channels_[as_size(c)].by_default(); };
+    counted_.reserve(as_size(std::ranges::count_if(channels_, counts)));
+    for (int c = 0; c < as_int(channels_.size()); ++c)
+        if (counts(channels_[as_size(c)])) counted_.push_back(c);
+    forces_.reserve(as_size(std::ranges::count_if(counted_, is_force)));
+    for (int i = 0; i < as_int(counted_.size()); ++i)
+        if (is_force(counted_[as_size(i)])) forces_.push_back({i});
+    for (const int channel : selection_) selected_counted_.push_back(find_statistics(channel));
+    statistics_ = Statistics(as_row(counted_.size()));
 }
 
-/// Those among the channels first … end − 1.
+/// Where a channel's statistics stand; −1: it has none.
+int Recorder::find_statistics(int channel) const {
+    const auto found = std::ranges::lower_bound(counted_, channel);
+    return found != counted_.end() && *found == channel ? as_int(found - counted_.begin()) : -1;
+}
+
+/// Those among the counted channels first … end − 1.
 std::span<Recorder::Force> Recorder::forces(int first, int end) {
-    const auto begin = std::ranges::lower_bound(forces_, first, {}, &Force::channel);
-    return {begin, std::ranges::lower_bound(begin, forces_.end(), end, {}, &Force::channel)};
+    const auto begin = std::ranges::lower_bound(forces_, first, {}, &Force::counted);
+    return {begin, std::ranges::lower_bound(begin, forces_.end(), end, {}, &Force::counted)};
 }
 
 void Recorder::close_row(std::span<const double> values) {
@@ -68,7 +78,8 @@ void Recorder::close_row(std::span<const double> values) {
         csv_->write_row(selected_values_);
         hdf5_->write_row(selected_values_);
     }
-    count(0, values, values[0]);
+    count(
+        0, as_int(counted_.size()), [&](int i) { return values[as_size(counted_[as_size(i)])]; }, values[0]);
     ++rows_;
 }
 
@@ -81,13 +92,17 @@ void Recorder::close_selected_row(std::span<const double> values, std::span<cons
     assert(selected_values_.size() == values.size() + (errors.empty() ? 0 : errors.size() - 1));
     csv_->write_row(values);
     hdf5_->write_row(selected_values_);
-    for (std::size_t i = 0; i < values.size(); ++i) count(as_size(selection_[i]), values.subspan(i, 1), values[0]);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (const int at = selected_counted_[i]; at >= 0)
+            count(
+                at, at + 1, [&](int) { return values[i]; }, values[0]);
     ++rows_;
 }
 
 void Recorder::adopt_unselected(const Recorder& other) {
-    for (int i = 0; i < as_int(channels_.size()); ++i) {
-        if (std::binary_search(selection_.begin(), selection_.end(), i)) continue;
+    assert(counted_ == other.counted_);
+    for (int i = 0; i < as_int(counted_.size()); ++i) {
+        if (std::ranges::binary_search(selected_counted_, i)) continue;
         for (const auto kind : {&Statistics::peak_time, &Statistics::minimum, &Statistics::maximum, &Statistics::final})
             (statistics_.*kind)[i] = (other.statistics_.*kind)[i];
         for (Force& force : forces(i, i + 1)) {
@@ -107,21 +122,26 @@ void Recorder::check_finite(int channel, double value, double time) const {
 
 ChannelStatistics Recorder::statistics(int channel) const {
     const Statistics& s = statistics_;
-    const auto force = std::ranges::lower_bound(forces_, channel, {}, &Force::channel);
-    const bool is_force = force != forces_.end() && force->channel == channel;
-    return {std::max(std::abs(s.minimum[channel]), std::abs(s.maximum[channel])),
-            s.peak_time[channel],
-            s.minimum[channel],
-            s.maximum[channel],
-            s.final[channel],
+    const int i = find_statistics(channel);
+    if (i < 0)
+        throw Error(ExitCode::internal_error,
+                    fmt::format("channel \"{}\" has no statistics; this is a fault of dttmm, please report it",
+                                channels_[as_size(channel)].name()));
+    const auto force = std::ranges::lower_bound(forces_, i, {}, &Force::counted);
+    const bool is_force = force != forces_.end() && force->counted == i;
+    return {std::max(std::abs(s.minimum[i]), std::abs(s.maximum[i])),
+            s.peak_time[i],
+            s.minimum[i],
+            s.maximum[i],
+            s.final[i],
             is_force ? force->ripple : 0,
             is_force ? force->bend : 0};
 }
 
 /// What the value of a force does to its ripple and bend, before it is in the statistics.
 void Recorder::count_force(Force& force, double value) const {
-    const double before = rows_ == 0 ? value : statistics_.final[force.channel];
-    const double peak = std::max(-statistics_.minimum[force.channel], statistics_.maximum[force.channel]);
+    const double before = rows_ == 0 ? value : statistics_.final[force.counted];
+    const double peak = std::max(-statistics_.minimum[force.counted], statistics_.maximum[force.counted]);
     if (rows_ >= 2 && std::abs(before) == peak)
         force.bend = static_cast<float>(std::abs(value - before - static_cast<double>(force.change)));
     if (std::abs(value) > peak) force.bend = 0;
@@ -134,27 +154,24 @@ void Recorder::count_force(Force& force, double value) const {
     force.change = now;
 }
 
-/// What the values of channels from `first` on do to the statistics.
-void Recorder::count(std::size_t first, std::span<const double> row, double time) {
-    for (Force& force : forces(as_int(first), as_int(first + row.size())))
-        count_force(force, row[as_size(force.channel) - first]);
-    const auto of = [&](Eigen::ArrayXd& numbers) { return numbers.data() + first; };
-    double *__restrict peak_time = of(statistics_.peak_time), *__restrict minimum = of(statistics_.minimum),
-           *__restrict maximum = of(statistics_.maximum);
-    const double* __restrict value = row.data();
-    const std::size_t size = row.size();
+/// What the values of the counted channels first … end − 1 do to the statistics.
+template <class ValueOf>
+void Recorder::count(int first, int end, const ValueOf& value_of, double time) {
+    for (Force& force : forces(first, end)) count_force(force, value_of(force.counted));
+    double *__restrict value = statistics_.final.data(), *__restrict peak_time = statistics_.peak_time.data(),
+           *__restrict minimum = statistics_.minimum.data(), *__restrict maximum = statistics_.maximum.data();
+    for (int i = first; i < end; ++i) value[i] = value_of(i);
     if (rows_ == 0) {
-        std::fill_n(peak_time, size, time);
-        std::copy_n(value, size, minimum);
-        std::copy_n(value, size, maximum);
+        std::fill(peak_time + first, peak_time + end, time);
+        std::copy(value + first, value + end, minimum + first);
+        std::copy(value + first, value + end, maximum + first);
     }
-    for (std::size_t i = 0; i < size; ++i) {                    // without a branch: several at a time
+    for (int i = first; i < end; ++i) {                         // without a branch: several at a time
         const double peak = std::max(-minimum[i], maximum[i]);  // up to the row before
         peak_time[i] = std::abs(value[i]) > peak ? time : peak_time[i];
         minimum[i] = value[i] < minimum[i] ? value[i] : minimum[i];
         maximum[i] = value[i] > maximum[i] ? value[i] : maximum[i];
     }
-    std::copy_n(value, size, of(statistics_.final));
 }
 
 void Recorder::finish() {

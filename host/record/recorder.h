@@ -30,21 +30,24 @@ struct ChannelStatistics {
     double bend = 0;
 };
 
-/// Takes one row of numbers per output time: the selected channels go to history.csv and history.h5, and every channel,
-/// selected or not, to its statistics. Or takes rows of the selected channels alone, and perhaps an estimate of the error of
-/// each value: history.h5 then has a second dataset for every channel but the time, `<channel>.error`, of the same unit.
-/// Nothing is allocated per row. Destroyed without finish(), it leaves history.csv with all rows closed so far and no
+/// Takes one row of numbers per output time: the selected channels go to history.csv and history.h5, and the channels that
+/// count, selected or not, to their statistics. Or takes rows of the selected channels alone, and perhaps an estimate of the
+/// error of each value: history.h5 then has a second dataset for every channel but the time, `<channel>.error`, of the same
+/// unit. Nothing is allocated per row. Destroyed without finish(), it leaves history.csv with all rows closed so far and no
 /// history.h5.
 class Recorder {
 public:
     enum class Rows : unsigned char { plain, estimated };
+    /// Whether a channel has statistics.
+    using Counts = bool (*)(const Channel&);
+    static bool every_channel(const Channel&) { return true; }
 
     /// all: outlive the recorder; selection: indices into them as select_channels gives them; rows: which of the two ways
     /// they come. Throws Error(input_output), or Error(internal_error) for selected channels that check_columns refuses.
     Recorder(const ResultsFolder& folder, std::span<const Channel> all, std::vector<int> selection,
-             const Attributes& attributes, Rows rows = Rows::plain);
+             const Attributes& attributes, Rows rows = Rows::plain, Counts counts = every_channel);
     /// Statistics only: nothing is written.
-    explicit Recorder(std::span<const Channel> all);
+    explicit Recorder(std::span<const Channel> all, Counts counts = every_channel);
 
     /// values: one per channel of `all`; the first is the time [s]. Throws Error(internal_error) that names a channel whose
     /// value is not finite; the row is then neither written nor counted. Throws Error(input_output) when it cannot be
@@ -53,19 +56,19 @@ public:
     /// A row of the selected channels, the time among them, and for estimated rows as many errors, else none. Throws as
     /// close_row does.
     void close_selected_row(std::span<const double> values, std::span<const double> errors);
-    /// The statistics of all channels that are not selected, from a recorder of the same channels.
+    /// The statistics of all channels that are not selected, from a recorder in which the same channels count.
     void adopt_unselected(const Recorder& other);
     /// Brings history.csv to the disk and publishes history.h5; the last call. Throws Error(input_output).
     void finish();
 
     std::span<const Channel> channels() const { return channels_; }
-    /// channel: index into channels().
+    /// channel: index into channels(). Throws Error(internal_error) for one that does not count.
     ChannelStatistics statistics(int channel) const;
     /// Number of rows closed.
     long rows() const { return rows_; }
 
 private:
-    /// One kind of number of every channel stands together, so that a row is counted several channels at a time.
+    /// One kind of number of all channels that count stands together, so that a row is counted several at a time.
     struct Statistics {
         Statistics() = default;
         explicit Statistics(Eigen::Index count) {
@@ -75,24 +78,28 @@ private:
     };
     /// More of a channel that is a force. Seven digits are enough for what a warning compares with a share of the peak.
     struct Force {
-        int channel;
+        int counted;  ///< index into counted_
         float ripple = 0, bend = 0;
         float change = 0;       ///< in the last row
         float alternation = 0;  ///< mean amplitude at which the last rows alternated
     };
 
     void check_finite(int channel, double value, double time) const;
-    void find_forces();
+    void find_counted(Counts counts);
+    int find_statistics(int channel) const;
     std::span<Force> forces(int first, int end);
     void count_force(Force& force, double value) const;
-    void count(std::size_t first, std::span<const double> row, double time);
+    template <class ValueOf>
+    void count(int first, int end, const ValueOf& value_of, double time);
 
     std::span<const Channel> channels_;
+    std::vector<int> counted_;  ///< the channels that have statistics, ascending
     Statistics statistics_;
-    std::vector<Force> forces_;  ///< by channel
+    std::vector<Force> forces_;  ///< in the order of counted_
     long rows_ = 0;
 
     std::vector<int> selection_;
+    std::vector<int> selected_counted_;    ///< index into counted_ of each; −1: it does not count
     std::vector<double> selected_values_;  ///< of a row, then their errors
     std::optional<CsvWriter> csv_;
     std::optional<Hdf5Writer> hdf5_;

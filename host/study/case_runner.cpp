@@ -18,6 +18,7 @@
 #include "analysis/run_warnings.h"
 #include "analysis/session.h"
 #include "analysis/stop_signals.h"
+#include "analysis/summary.h"
 #include "analysis/sweep_table.h"
 #include "model/error.h"
 #include "model/index.h"
@@ -61,7 +62,7 @@ Found run_history(const Request& request, const StudyPlan& plan, const std::opti
         warn_of_run(session, session.halving->simulation(), session.halving->statistics());
         return found();
     }
-    Recorder recorder(session.simulation.channels());
+    Recorder recorder(session.simulation.channels(), counts_in_summary);
     session.simulation.record_to([&](std::span<const double> row) {
         recorder.close_row(row);
         take(row);

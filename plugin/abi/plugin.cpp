@@ -138,7 +138,7 @@ dttmm_status restore_state(dttmm_instance* instance, const void* buffer, size_t 
     return guard(error, [&] { instance->machine.restore_state(buffer, size); });
 }
 
-uint32_t channel_count(const dttmm_instance* instance) { return static_cast<uint32_t>(instance->machine.channels().size()); }
+uint32_t channel_count(const dttmm_instance* instance) { return static_cast<uint32_t>(instance->machine.channel_count()); }
 
 const dttmm_channel* channels(const dttmm_instance* instance) { return instance->machine.channels().data(); }
 

@@ -321,7 +321,8 @@ typedef struct dttmm_plugin {
 
     /* Named results. The values stand at the start t_n of the step last committed, the latest instant whose centred
      * velocity is known. An element's force is positive when its `to` end is displaced in the positive direction relative
-     * to `from`, in the axes of the `from` end. [channels: after create; outputs: after a commit] */
+     * to `from`, in the axes of the `from` end. The host reads the list once: the plugin may drop it, with its texts, when
+     * it starts. [channel_count: after create; channels: after create, before start; outputs: after a commit] */
     uint32_t (*channel_count)(const dttmm_instance* instance);
     const dttmm_channel* (*channels)(const dttmm_instance* instance);
     dttmm_status (*outputs)(const dttmm_instance* instance, double* values, dttmm_error* error);

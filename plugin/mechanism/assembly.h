@@ -70,7 +70,7 @@ struct Assembly {
     int port_count = 0, driven_count = 0;  ///< ports; ports and ground
     std::vector<JointSpec> joints;         ///< of a Network until it is made
     std::vector<LineSpec> lines;           ///< with Waves::exact
-    std::vector<NodeSpec> nodes;           ///< in the order of the description
+    std::vector<NodeSpec> nodes;           ///< in the order of the description; none where a Network is done with them
     std::vector<SegmentsSpec> segments;    ///< of the lines that are divided, by element
     std::vector<int> first_joint;          ///< of every element, and one past the last; then those that hold fixed nodes
     int inner_count() const { return as_int(frames.size()) - driven_count; }

@@ -262,18 +262,19 @@ double LineWaves::lowest_held(const Group& group, int count) const {
     const double length = length_ / count;
     constexpr std::array kPoints = {0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
     constexpr std::array kWeights = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731, 0.1739274225687269};
+    std::array<Waves<double>, kPoints.size()> up_to;  // the points, which lie as far from one end as from the other
+    for (size_t k = 0; k < kPoints.size(); ++k) up_to[k] = waves<double>(group, kPoints[k] * length, 0, 1, false);
+    // Stiffness of a part held at its start, at its end; of one held at its end, at its start
     const auto n = as_row(group.directions.size());
-    // Compliance of a piece held at its start, at its end; of one held at its end, at its start
-    const auto held = [&](double s, bool at_start) {
-        const Waves<double> w = waves<double>(group, s, 0, 1, false);
-        const auto Udd = w.U.topLeftCorner(n, n), Udn = w.U.topRightCorner(n, n), Unn = w.U.bottomRightCorner(n, n);
-        const Matrix F = at_start ? Matrix(Udn * Matrix(Unn).inverse()) : Matrix(Matrix(Udd).inverse() * Udn);
-        return Matrix(w.unit_d.asDiagonal() * F * w.unit_n.cwiseInverse().asDiagonal());
+    const auto held = [&](const Waves<double>& w, bool at_start) {
+        const Matrix by_force = w.U.topRightCorner(n, n).inverse();
+        const Matrix K =
+            at_start ? Matrix(w.U.bottomRightCorner(n, n) * by_force) : Matrix(by_force * w.U.topLeftCorner(n, n));
+        return Matrix(w.unit_n.asDiagonal() * K * w.unit_d.cwiseInverse().asDiagonal());
     };
     double sum = 0;
     for (size_t k = 0; k < kPoints.size(); ++k) {
-        const double s = kPoints[k] * length;
-        const Matrix stiffness = held(s, true).inverse() + held(length - s, false).inverse();
+        const Matrix stiffness = held(up_to[k], true) + held(up_to[kPoints.size() - 1 - k], false);
         sum += kWeights[k] * length * (stiffness.inverse() * group.M).trace();
     }
     return group.lowest_held[count] = 1 / sum;

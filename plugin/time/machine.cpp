@@ -232,8 +232,14 @@ void Machine::place_channels(std::span<const std::vector<uint32_t>> units) {
         if (!network.results().piece(others).empty()) place(network, others);
     }
     if (!supports_.empty()) channels_.push_back({"work_of_supports", "J", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_WORK});
+    channel_count_ = channels_.size();
     for (Part& part : networks_) part.network.results().forget_channels();
     for (const Part& part : networks_) std::ranges::copy(part.network.results().lines(), std::back_inserter(lines_));
+}
+
+void Machine::forget_channels() {
+    std::vector<dttmm_channel>().swap(channels_);
+    for (Part& part : networks_) part.network.results().forget_names();
 }
 
 // ---- Phases -------------------------------------------------------------------------------------------------------------
@@ -262,6 +268,7 @@ void Machine::take_up(const double* motion, double* elastic, double* damped) con
 }
 
 void Machine::start(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads) {
+    forget_channels();
     supports_.start();
     const dttmm_motion* const all = joined_->with_supports(bodies, &Supports::write_start);
     std::vector<double> of_supports(6 * supports_.count());
@@ -429,6 +436,7 @@ AtRest Machine::at_rest() const {
 }
 
 void Machine::start_at_rest(const dttmm_step& step, const dttmm_motion* bodies, const double* loads) {
+    forget_channels();
     supports_.start_at_rest();
     const dttmm_motion* const all = joined_->with_supports(bodies, &Supports::write_start);
     for_each(*this, [&](Part& part) { part.network.start_at_rest(step, all, gather_loads(part, loads)); });
@@ -495,7 +503,7 @@ void Machine::positions(uint32_t stations, double* positions) const {
 
 void Machine::outputs(double* values) const {
     for_each(*this, [&](const Part& part) { part.network.outputs(values); });
-    if (!supports_.empty()) values[channels_.size() - 1] = supports_.work();
+    if (!supports_.empty()) values[channel_count_ - 1] = supports_.work();
 }
 
 }  // namespace dttmm::plugin

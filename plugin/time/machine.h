@@ -60,6 +60,8 @@ public:
     void restore_state(const void* buffer, size_t size);
     static void centre(Machine& above, Machine& below, const Machine& middle);
 
+    size_t channel_count() const { return channel_count_; }
+    /// Empty from the first start on: a long beam has 10^5.
     const std::vector<dttmm_channel>& channels() const { return channels_; }
     void outputs(double* values) const;
     /// Elements that bend; where points of them are: see dttmm_shape.h.
@@ -79,6 +81,7 @@ private:
     dttmm_static_measure measure_static(const Find& find);
     void place_blocks();
     void place_channels(std::span<const std::vector<uint32_t>> units);
+    void forget_channels();
     const double* gather_loads(Part& part, const double* loads) const;
 
     uint32_t body_count_, element_count_;
@@ -88,6 +91,7 @@ private:
     std::vector<dttmm_block> blocks_;
     size_t seen_blocks_ = 0;  ///< by the host; those of supports stand behind
     std::vector<dttmm_channel> channels_;
+    size_t channel_count_ = 0;
     std::vector<uint32_t> lines_;
     Supports supports_;
     mutable std::optional<JoinedNumbers> joined_;  ///< working memory, so mutable

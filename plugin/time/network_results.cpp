@@ -14,8 +14,6 @@ namespace {
 
 using Map3 = Eigen::Map<Vector3>;
 
-constexpr const char* kAxes[] = {"x", "y", "z"};
-
 }  // namespace
 
 // ---- Channels -----------------------------------------------------------------------------------------------------------
@@ -34,18 +32,23 @@ NetworkResults::NetworkResults(const dttmm_network& description, const Places& p
     piece_places_.assign(piece_begin_.begin(), piece_begin_.end() - 1);
 }
 
-void NetworkResults::declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role) {
+void NetworkResults::declare(std::string_view name, const char* unit, uint32_t of, uint32_t index, uint32_t role) {
     const uint32_t at = (of == DTTMM_OF_ELEMENT ? places_.elements : places_.nodes)[index];
     char* kept = static_cast<char*>(names_->allocate(name.size() + 1, 1));
-    std::copy_n(name.c_str(), name.size() + 1, kept);
+    *std::ranges::copy(name, kept).out = '\0';
     channels_.push_back({kept, unit, of, at, role});
 }
 
 void NetworkResults::declare_vectors(const std::string& prefix,
                                      std::initializer_list<std::pair<const char*, const char*>> vectors, uint32_t of,
                                      uint32_t index, uint32_t role) {
-    for (const auto& [name, unit] : vectors)
-        for (const char* axis : kAxes) declare(fmt::format("{}{}.{}", prefix, name, axis), unit, of, index, role);
+    for (const auto& [name, unit] : vectors) {
+        std::string full = prefix + name + ". ";
+        for (const char axis : {'x', 'y', 'z'}) {
+            full.back() = axis;
+            declare(full, unit, of, index, role);
+        }
+    }
 }
 
 void NetworkResults::declare_element(const dttmm_network& description, uint32_t e) {

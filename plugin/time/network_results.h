@@ -7,6 +7,7 @@
 #include <memory_resource>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -41,7 +42,10 @@ public:
     void place(size_t piece, size_t at) { piece_places_[piece] = at; }
     /// Where another has them; their names stay.
     void forget_channels() { std::vector<dttmm_channel>().swap(channels_); }
+    void forget_names() { names_.reset(); }
     void write(const Instant& instant, double* values) const;
+    /// Whether write() needs the nodes of the assembly.
+    bool shows_nodes() const { return !nodes_.empty() || !reactions_.empty() || !chains_.empty(); }
 
     /// Its elements of several joints, which bend between their ends.
     std::vector<uint32_t> lines() const;
@@ -65,7 +69,7 @@ private:
         bool has_place;  ///< nothing but its support moves it
     };
 
-    void declare(const std::string& name, const char* unit, uint32_t of, uint32_t index, uint32_t role);
+    void declare(std::string_view name, const char* unit, uint32_t of, uint32_t index, uint32_t role);
     void declare_vectors(const std::string& prefix, std::initializer_list<std::pair<const char*, const char*>> vectors,
                          uint32_t of, uint32_t index, uint32_t role);
     void declare_element(const dttmm_network& description, uint32_t element);

@@ -106,6 +106,8 @@ public:
                                     nullptr,
                                     nullptr};
         check(table_.create(&network, &instance_, &error_));
+        for (uint32_t c = 0; c < table_.channel_count(instance_); ++c)
+            names_.emplace_back(table_.channels(instance_)[c].name);
         start();
     }
     ~JointRun() { table_.destroy(instance_); }
@@ -140,9 +142,10 @@ public:
                 standing[p].angular_velocity[i] = 0.5 - 0.4 * static_cast<double>(i * p);
             }
         check(table_.stand(instance_, standing.data(), nullptr, answer.standing.data(), &error_));
-        std::vector<double> values(table_.channel_count(instance_));
+        EXPECT_EQ(table_.channel_count(instance_), names_.size());
+        std::vector<double> values(names_.size());
         check(table_.outputs(instance_, values.data(), &error_));
-        for (size_t c = 0; c < values.size(); ++c) answer.outputs[table_.channels(instance_)[c].name] = values[c];
+        for (size_t c = 0; c < values.size(); ++c) answer.outputs[names_[c]] = values[c];
         return answer;
     }
 
@@ -173,6 +176,7 @@ private:
     dttmm_instance* instance_ = nullptr;
     dttmm_error error_{};
     std::vector<EndMotion> ports_;
+    std::vector<std::string> names_;  ///< of the channels
 };
 
 }  // namespace dttmm::test

@@ -85,6 +85,32 @@ TEST(Recorder, TracksEveryChannel) {
     expect(3, {5.0, 1.0, -5.0, -1.0, -2.0});
 }
 
+// Oracle: the recorder that counts every channel; what is selected is written whether it counts or not.
+TEST(Recorder, CountsTheChannelsAskedFor) {
+    const TemporaryFolder temporary;
+    const ResultsFolder folder(temporary / "plate");
+    const auto is_of_bolt = [](const Channel& channel) { return channel.name().starts_with("bolt1"); };
+    Recorder all(kPlateChannels), few(folder, kPlateChannels, {0, 1, 3}, {}, Recorder::Rows::plain, is_of_bolt);
+    for (int n = 0; n < 40; ++n) {
+        const std::vector row{0.1 * n, std::sin(0.9 * n), n % 2 == 0 ? 3.0 : -2.5, 5.0 - n};
+        all.close_row(row);
+        few.close_row(row);
+    }
+    few.finish();
+    for (const int channel : {1, 2}) {
+        const ChannelStatistics wanted = all.statistics(channel), got = few.statistics(channel);
+        EXPECT_EQ(got.peak, wanted.peak) << channel;
+        EXPECT_EQ(got.peak_time, wanted.peak_time) << channel;
+        EXPECT_EQ(got.final, wanted.final) << channel;
+        EXPECT_EQ(got.ripple, wanted.ripple) << channel;
+        EXPECT_EQ(got.bend, wanted.bend) << channel;
+    }
+    EXPECT_GT(few.statistics(2).ripple, 2);
+    for (const int channel : {0, 3})
+        expect_error([&] { few.statistics(channel); }, ExitCode::internal_error, HasSubstr("has no statistics"));
+    EXPECT_EQ(read_dataset(folder.file("history.h5"), "plate.position.x").back(), -34.0);
+}
+
 // Oracle: what alternates by A about anything smooth has the ripple A; a vibration of 20 rows has none but at its turns, a
 // jump has none at all.
 TEST(Recorder, TellsHowMuchAChannelAlternates) {

@@ -82,13 +82,16 @@ void iterate(Network& network, const dttmm_motion* trial) {
     for (int n = 0; n < 4; ++n) network.iterate(trial, progress);
 }
 
+size_t count_channels(const Machine& machine) { return machine.channel_count(); }
+size_t count_channels(const Network& network) { return network.channels().size(); }
+
 template <class Machine>
 Answer take_step(Machine& machine, const dttmm_network& network, uint64_t n, size_t blocks) {
     const double t = static_cast<double>(n) * kMachineStep;
     const std::vector<double> loads = loads_at(t + kMachineStep);
     const size_t size = 6 * network.body_count;
     Answer answer{std::vector<double>(size), std::vector<double>(36 * blocks), std::vector<double>(size),
-                  std::vector<double>(size), std::vector<double>(machine.channels().size())};
+                  std::vector<double>(size), std::vector<double>(count_channels(machine))};
     machine.begin_step({n, t, kMachineStep}, loads.data());
     const std::vector<dttmm_motion> now = motions(network, t), end = motions(network, t + kMachineStep);
     iterate(machine, end.data());
@@ -119,9 +122,10 @@ TEST(Machine, EqualsItsElementsAsOneNetwork) {
     const std::vector<dttmm_motion> at = motions(network, 0);
     std::vector<double> accelerations(18, 0.0);
     const std::vector<double> loads = loads_at(0);
+    const auto names = channel_names(network, machine.channels()), whole_names = channel_names(network, whole.channels());
     machine.start({0, 0, kMachineStep}, at.data(), accelerations.data(), loads.data());
     whole.start({0, 0, kMachineStep}, at.data(), accelerations.data(), loads.data());
-    const auto names = channel_names(network, machine.channels()), whole_names = channel_names(network, whole.channels());
+    EXPECT_EQ(machine.channel_count(), names.size());
     for (uint64_t n = 0; n < 12; ++n) {
         const Answer found = take_step(machine, network, n, machine.blocks().size()),
                      expected = take_step(whole, network, n, whole.blocks().list().size());

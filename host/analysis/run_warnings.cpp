@@ -5,8 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 #include "analysis/law_limits.h"
 #include "coupling/stability.h"
@@ -117,37 +121,91 @@ void warn_energy(const Recorder& recorder, const Model& model, const Simulation&
                                  ledger.turned_over, describe_energy_fault(model, simulation, fast)));
 }
 
-/// The force of an element that goes up and down from step to step: a vibration faster than the step. Only rows of every
-/// step show it. The energy balance does not: a stiff element holds next to no energy.
-void warn_ripple(const Recorder& recorder, const Model& model, Warnings& warnings) {
-    if (model.output.every != 1) return;
-    constexpr double kTolerated = 0.1;  // of the element's largest force
-    // Beside the largest force of the machine this is rounding: it moves what is held by 1e-16 of its size
-    const double rounding = 1e-8 * find_largest_force(recorder);
-    struct Force {
-        double peak = 0, ripple = 0;  // largest of its directions [N]
-    };
-    std::unordered_map<std::string_view, Force> forces;  // by element
+/// What goes up and down from row to row, of the direction that does it most.
+struct Swinging {
+    std::string_view owner;
+    double peak = 0;  ///< of all directions
+    double ripple = 0, time = 0, final = 0;
+    double share() const { return ripple / peak; }
+    bool lasts() const { return final > 0.1 * ripple; }
+    std::string text(const char* unit) const {
+        return fmt::format(
+            "\"{}\" alternates from step to step by {:.3g} {}, most at t = {:.3g} s, and is {:.3g} {} at most", owner,
+            ripple, unit, time, peak, unit);
+    }
+};
+
+/// By owner, of the channels wanted.
+template <class Wanted>
+std::map<std::string_view, Swinging> find_swinging(const Recorder& recorder, const Wanted& wanted) {
+    std::map<std::string_view, Swinging> found;
     for (size_t c = 1; c < recorder.channels().size(); ++c) {
         const Channel& channel = recorder.channels()[c];
-        if (channel.of() != Channel::Of::element || channel.quantity() != "force") continue;
-        Force& force = forces[channel.owner()];
+        if (!wanted(channel)) continue;
+        Swinging& own = found[channel.owner()];
         const ChannelStatistics& statistics = recorder.statistics(as_int(c));
-        force = {std::max(force.peak, statistics.peak), std::max(force.ripple, statistics.ripple)};
+        const double peak = std::max(own.peak, statistics.peak);
+        if (statistics.ripple > own.ripple)
+            own = {channel.owner(), 0, statistics.ripple, statistics.ripple_time, statistics.ripple_final};
+        own.peak = peak;
     }
-    double worst = kTolerated;
-    std::string warning;
-    for (const Element& element : model.elements) {
-        const auto [peak, ripple] = forces[element.name];
-        if (ripple <= worst * peak || ripple <= rounding) continue;
-        worst = ripple / peak;
-        warning = fmt::format(
-            "the force of element \"{}\" alternates from step to step by {:.3g} N and is {:.3g} N at most: a "
-            "vibration that the step of {:g} s does not follow. It rings for ever unless something damps it, and its peaks "
-            "are not those of the machine; try a shorter step or damping of the element{}",
-            element.name, ripple, peak, model.simulation.step, or_numerical_damping(model));
+    return found;
+}
+
+/// What alternates most for its peak, if that is by more than a tenth and by more than `least`; of what lasts, if any does.
+std::optional<Swinging> find_worst(const std::map<std::string_view, Swinging>& all, double least) {
+    constexpr double kTolerated = 0.1;
+    std::optional<Swinging> worst;
+    for (const auto& [owner, one] : all) {
+        if (one.ripple <= kTolerated * one.peak || one.ripple <= least) continue;
+        if (!worst || std::pair(one.lasts(), one.share()) > std::pair(worst->lasts(), worst->share())) worst = one;
     }
-    if (!warning.empty()) warnings.add("alternating-force", warning);
+    return worst;
+}
+
+/// Accelerations [m/s^2] that alternate by less are of no account: a thousandth of the largest, or of what the largest force
+/// would give to all bodies.
+double find_least_acceleration(const std::map<std::string_view, Swinging>& accelerations, double force, const Model& model) {
+    constexpr double kShare = 1e-3;
+    constexpr double kNoise = 1e-3;  // m/s^2: accelerometers for machines do not see it
+    double largest = model.simulation.gravity.norm(), mass = 0;
+    for (const auto& [owner, one] : accelerations) largest = std::max(largest, one.peak);
+    for (const Body& body : model.bodies) mass += body.mass;
+    if (mass > 0) largest = std::max(largest, force / mass);
+    return std::max(kShare * largest, kNoise);
+}
+
+/// The force of an element, or else the acceleration of a body or node, that goes up and down from step to step: a vibration
+/// faster than the step. Only rows of every step show it. The energy balance does not: what is stiff or light holds next to
+/// no energy. An acceleration that no longer does so at the end is no more than a note: numerical damping has taken it.
+void warn_ripple(const Recorder& recorder, const Model& model, Warnings& warnings) {
+    if (model.output.every != 1) return;
+    const double force = find_largest_force(recorder), step = model.simulation.step;
+    // Beside the largest force of the machine this is rounding: it moves what is held by 1e-16 of its size
+    const double rounding = 1e-8 * force;
+    const auto is_of_element = [](const Channel& c) { return c.of() == Channel::Of::element && is_force(c); };
+    if (const auto worst = find_worst(find_swinging(recorder, is_of_element), rounding)) {
+        warnings.add(
+            "alternating-force",
+            fmt::format("the force of element {}: a vibration that the step of {:g} s does not follow. It rings for "
+                        "ever unless something damps it, and its peaks are not those of the machine; try a shorter "
+                        "step or damping of the element{}",
+                        worst->text("N"), step, or_numerical_damping(model)));
+        return;
+    }
+    const auto accelerations =
+        find_swinging(recorder, [](const Channel& c) { return c.quantity() == "acceleration" && c.by_default(); });
+    const auto worst = find_worst(accelerations, find_least_acceleration(accelerations, force, model));
+    if (!worst) return;
+    const std::string text = fmt::format(
+        "the acceleration of {}, while no force of an element does: a vibration of something light or stiff that "
+        "the step of {:g} s does not follow, or rounding. Its peaks are not those of the machine",
+        worst->text("m/s^2"), step);
+    if (!worst->lasts())
+        warnings.note("alternating-acceleration", text + "; it has died out at the end");
+    else
+        warnings.add("alternating-acceleration",
+                     text + "; try a shorter step or damping of what holds it" + or_numerical_damping(model));
 }
 
 /// Peaks that may stand between rows.

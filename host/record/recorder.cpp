@@ -22,6 +22,11 @@ std::vector<Column> pick(std::span<const Channel> all, const std::vector<int>& s
     return picked;
 }
 
+float to_float(double value) {
+    constexpr double kMost = std::numeric_limits<float>::max();
+    return static_cast<float>(std::clamp(value, -kMost, kMost));
+}
+
 }  // namespace
 
 Recorder::Recorder(std::span<const Channel> all, Counts counts) : channels_(all) { find_counted(counts); }
@@ -41,13 +46,16 @@ Recorder::Recorder(const ResultsFolder& folder, std::span<const Channel> all, st
 }
 
 void Recorder::find_counted(Counts counts) {
-    const auto is_force = [&](int c) { return channels_[as_size(c)].unit() == "N" && channels_[as_size(c)].by_default(); };
+    const auto swings = [&](int c) {
+        const Channel& channel = channels_[as_size(c)];
+        return (channel.unit() == "N" || channel.unit() == "m/s^2") && channel.by_default();
+    };
     counted_.reserve(as_size(std::ranges::count_if(channels_, counts)));
     for (int c = 0; c < as_int(channels_.size()); ++c)
         if (counts(channels_[as_size(c)])) counted_.push_back(c);
-    forces_.reserve(as_size(std::ranges::count_if(counted_, is_force)));
+    swings_.reserve(as_size(std::ranges::count_if(counted_, swings)));
     for (int i = 0; i < as_int(counted_.size()); ++i)
-        if (is_force(counted_[as_size(i)])) forces_.push_back({i});
+        if (swings(counted_[as_size(i)])) swings_.push_back({i});
     for (const int channel : selection_) selected_counted_.push_back(find_statistics(channel));
     statistics_ = Statistics(as_row(counted_.size()));
 }
@@ -59,9 +67,9 @@ int Recorder::find_statistics(int channel) const {
 }
 
 /// Those among the counted channels first … end − 1.
-std::span<Recorder::Force> Recorder::forces(int first, int end) {
-    const auto begin = std::ranges::lower_bound(forces_, first, {}, &Force::counted);
-    return {begin, std::ranges::lower_bound(begin, forces_.end(), end, {}, &Force::counted)};
+std::span<Recorder::Swing> Recorder::swings(int first, int end) {
+    const auto begin = std::ranges::lower_bound(swings_, first, {}, &Swing::counted);
+    return {begin, std::ranges::lower_bound(begin, swings_.end(), end, {}, &Swing::counted)};
 }
 
 void Recorder::close_row(std::span<const double> values) {
@@ -102,13 +110,14 @@ void Recorder::close_selected_row(std::span<const double> values, std::span<cons
 void Recorder::adopt_unselected(const Recorder& other) {
     assert(counted_ == other.counted_);
     for (int i = 0; i < as_int(counted_.size()); ++i) {
-        if (std::ranges::binary_search(selected_counted_, i)) continue;
+        if (std::ranges::binary_search(selection_, counted_[as_size(i)])) continue;
         for (const auto kind : {&Statistics::peak_time, &Statistics::minimum, &Statistics::maximum, &Statistics::final})
             (statistics_.*kind)[i] = (other.statistics_.*kind)[i];
-        for (Force& force : forces(i, i + 1)) {
-            const Force& others = other.forces_[as_size(&force - forces_.data())];
-            force.ripple = others.ripple;
-            force.bend = others.bend;
+        for (Swing& swing : swings(i, i + 1)) {
+            const Swing& others = other.swings_[as_size(&swing - swings_.data())];
+            swing.ripple = others.ripple;
+            swing.ripple_time = others.ripple_time;
+            swing.bend = others.bend;
         }
     }
 }
@@ -127,37 +136,42 @@ ChannelStatistics Recorder::statistics(int channel) const {
         throw Error(ExitCode::internal_error,
                     fmt::format("channel \"{}\" has no statistics; this is a fault of dttmm, please report it",
                                 channels_[as_size(channel)].name()));
-    const auto force = std::ranges::lower_bound(forces_, i, {}, &Force::counted);
-    const bool is_force = force != forces_.end() && force->counted == i;
+    const auto swing = std::ranges::lower_bound(swings_, i, {}, &Swing::counted);
+    const bool is_swing = swing != swings_.end() && swing->counted == i;
     return {std::max(std::abs(s.minimum[i]), std::abs(s.maximum[i])),
             s.peak_time[i],
             s.minimum[i],
             s.maximum[i],
             s.final[i],
-            is_force ? force->ripple : 0,
-            is_force ? force->bend : 0};
+            is_swing ? swing->ripple : 0,
+            is_swing ? swing->ripple_time : 0,
+            is_swing ? swing->alternation : 0,
+            is_swing ? swing->bend : 0};
 }
 
-/// What the value of a force does to its ripple and bend, before it is in the statistics.
-void Recorder::count_force(Force& force, double value) const {
-    const double before = rows_ == 0 ? value : statistics_.final[force.counted];
-    const double peak = std::max(-statistics_.minimum[force.counted], statistics_.maximum[force.counted]);
+/// What the value of a force or acceleration does to its ripple and bend, before it is in the statistics.
+void Recorder::count_swing(Swing& swing, double value, double time) const {
+    const double before = rows_ == 0 ? value : statistics_.final[swing.counted];
+    const double peak = std::max(-statistics_.minimum[swing.counted], statistics_.maximum[swing.counted]);
     if (rows_ >= 2 && std::abs(before) == peak)
-        force.bend = static_cast<float>(std::abs(value - before - static_cast<double>(force.change)));
-    if (std::abs(value) > peak) force.bend = 0;
+        swing.bend = to_float(std::abs(value - before - static_cast<double>(swing.change)));
+    if (std::abs(value) > peak) swing.bend = 0;
     constexpr float kRows = 10;  // to look back
     // The smaller of the last two changes where they are opposite, else 0
-    const auto now = static_cast<float>(value - before);
-    const float opposite = std::max({std::min(now, -force.change), std::min(-now, force.change), 0.0F});
-    force.alternation += (0.5F * opposite - force.alternation) * (1 / kRows);
-    force.ripple = std::max(force.ripple, force.alternation);
-    force.change = now;
+    const auto now = to_float(value - before);
+    const float opposite = std::max({std::min(now, -swing.change), std::min(-now, swing.change), 0.0F});
+    swing.alternation += (0.5F * opposite - swing.alternation) * (1 / kRows);
+    if (swing.alternation > swing.ripple) {
+        swing.ripple = swing.alternation;
+        swing.ripple_time = to_float(time);
+    }
+    swing.change = now;
 }
 
 /// What the values of the counted channels first … end − 1 do to the statistics.
 template <class ValueOf>
 void Recorder::count(int first, int end, const ValueOf& value_of, double time) {
-    for (Force& force : forces(first, end)) count_force(force, value_of(force.counted));
+    for (Swing& swing : swings(first, end)) count_swing(swing, value_of(swing.counted), time);
     double *__restrict value = statistics_.final.data(), *__restrict peak_time = statistics_.peak_time.data(),
            *__restrict minimum = statistics_.minimum.data(), *__restrict maximum = statistics_.maximum.data();
     for (int i = first; i < end; ++i) value[i] = value_of(i);

@@ -21,10 +21,12 @@ struct ChannelStatistics {
     double minimum = 0;
     double maximum = 0;
     double final = 0;  ///< in the last row
-    // Of forces [N] that are recorded by default; else zero:
+    // Of forces [N] and accelerations [m/s^2] that are recorded by default; else zero:
     /// Largest amplitude at which it alternated from row to row, as a mean over some ten rows: a vibration near half the
     /// rate of rows.
     double ripple = 0;
+    double ripple_time = 0;   ///< when it did [s]
+    double ripple_final = 0;  ///< the same at the end
     /// Second difference of the rows at the peak; zero if that is the first row or the last. A vibration whose peak stands
     /// there is larger between rows by up to an eighth of it.
     double bend = 0;
@@ -76,10 +78,10 @@ private:
         }
         Eigen::ArrayXd peak_time, minimum, maximum, final;
     };
-    /// More of a channel that is a force. Seven digits are enough for what a warning compares with a share of the peak.
-    struct Force {
+    /// More of a force or acceleration. Seven digits are enough for what a warning compares with a share of the peak.
+    struct Swing {
         int counted;  ///< index into counted_
-        float ripple = 0, bend = 0;
+        float ripple = 0, ripple_time = 0, bend = 0;
         float change = 0;       ///< in the last row
         float alternation = 0;  ///< mean amplitude at which the last rows alternated
     };
@@ -87,15 +89,15 @@ private:
     void check_finite(int channel, double value, double time) const;
     void find_counted(Counts counts);
     int find_statistics(int channel) const;
-    std::span<Force> forces(int first, int end);
-    void count_force(Force& force, double value) const;
+    std::span<Swing> swings(int first, int end);
+    void count_swing(Swing& swing, double value, double time) const;
     template <class ValueOf>
     void count(int first, int end, const ValueOf& value_of, double time);
 
     std::span<const Channel> channels_;
     std::vector<int> counted_;  ///< the channels that have statistics, ascending
     Statistics statistics_;
-    std::vector<Force> forces_;  ///< in the order of counted_
+    std::vector<Swing> swings_;  ///< in the order of counted_
     long rows_ = 0;
 
     std::vector<int> selection_;

@@ -247,6 +247,51 @@ rotational_damping = 1e4
                 AllOf(HasSubstr("element \"e\" alternates"), testing::Not(HasSubstr("spectral_radius"))));
 }
 
+// Oracle: a mass released on k h²/m = 1e4 swings by g about its rest, a = g cos(θ n) with θ = 2 atan(ω h/2), π but for 0.04.
+// Its spring carries a hundred times as much across. A push that sets in over many steps makes nothing swing.
+TEST(Command, AnAccelerationThatRingsFromStepToStepIsToldWithItsBody) {
+    const TemporaryFolder folder;
+    const auto complaint = [&](const std::string& more) {
+        write_text(folder / "mass.toml", fmt::format(R"(format = "dttmm/1"
+[simulation]
+duration = 0.2
+step = "1 ms"
+{}
+[[body]]
+name = "mass"
+mass = 2
+inertia = [0.003, 0.004, 0.005]
+[[element]]
+name = "bolt"
+type = "spring_damper"
+from = "ground"
+to = "mass"
+stiffness = 2e10
+rotational_stiffness = 2e7
+[[load]]
+on = "mass"
+direction = [0, 1, 0]
+force = {{ type = "haversine", peak = 2000, start = 0, width = 0.1 }}
+)",
+                                                     more));
+        const Ended ended = run_dttmm(folder.path(), {"run", "mass.toml", "-o", "out"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        return ended.err;
+    };
+    const std::string text = complaint("gravity = [0, 0, -9.81]");
+    EXPECT_THAT(text, AllOf(HasSubstr("warning: the acceleration of \"mass\" alternates from step to step by"),
+                            HasSubstr("and is 9.81 m/s^2 at most, while no force of an element does"),
+                            HasSubstr("a vibration of something light or stiff that the step of 0.001 s does not follow"),
+                            HasSubstr("damping of what holds it, or a spectral_radius of 0.9")));
+    EXPECT_NEAR(std::stod(text.substr(text.find("step by ") + 8)), 9.81, 0.08 * 9.81) << "a mean over ten rows";
+    EXPECT_EQ(complaint(""), "");
+    // With the advice it dies out
+    EXPECT_THAT(complaint("gravity = [0, 0, -9.81]\nspectral_radius = 0.9"),
+                testing::MatchesRegex("note: the acceleration of [^:]* most at t = 0.006 s, [^;]*; it has died out at the "
+                                      "end\n"));
+    EXPECT_EQ(complaint("gravity = [0, 0, -9.81]\nstart = \"equilibrium\""), "");
+}
+
 // Oracle: under Newmark's rule the ledger of small vibrations closes at every step; the explicit scheme's is off by
 // (omega h)²/4 or so.
 TEST(Command, AnEnergyThatDoesNotCloseIsToldWithItsCause) {

@@ -85,8 +85,10 @@ TEST(Frames, TheFrameThatIsChangedBelowRuns) {
     for (const char* command : {"check", "run"}) {
         const Ended ended = run_frame(folder, command, kFrame);
         EXPECT_EQ(ended.code, 0) << ended.err;
-        // A check names a natural frequency, and what is not in it
-        EXPECT_EQ(ended.err.find("warning"), std::string::npos) << ended.err;
+        // A check names a natural frequency, and what is not in it; the load sets in at once, which nothing damps
+        const bool runs = std::string_view(command) == "run";
+        EXPECT_EQ(ended.err.find("warning: ") != std::string::npos, runs) << ended.err;
+        EXPECT_EQ(ended.err.find("warning: the acceleration of \"corner\" alternates") != std::string::npos, runs);
         EXPECT_EQ(ended.err.find("note: the frequencies are about the equilibrium") != std::string::npos,
                   std::string_view(command) == "check");
     }

@@ -149,7 +149,7 @@ void check(const Request& request) {
         print_parts(model);
     if (!lowest.empty()) fmt::print("  {}\n", lowest);
     fmt::print("{}", describe_machine(model, plugins.catalogue()));
-    if (session) session->refuse_unstable(request.force);
+    if (session) session->refuse_unstable(request.run.force);
     warnings.print_rest("");
 }
 

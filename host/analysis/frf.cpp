@@ -61,10 +61,10 @@ public:
           plugins_(plugins),
           warnings_(warnings),
           session_(request, plugins, warnings),
-          in_(place_and_direction(session_.model, session_.machine, "--in", request.input)),
-          out_(place_and_direction(session_.model, session_.machine, "--out", request.response)),
+          in_(place_and_direction(session_.model, session_.machine, "--in", request.response.input)),
+          out_(place_and_direction(session_.model, session_.machine, "--out", request.response.response)),
           channels_(session_.model, session_.machine),
-          excitation_({{request.input, in_.first, in_.second}}),
+          excitation_({{request.response.input, in_.first, in_.second}}),
           curves_(session_.machine, channels_, excitation_,
                   {channel_of(session_.model, channels_, *out_.first, out_.second)}, warnings),
           plan_(request, session_.model, excitation_, session_.machine, warnings) {
@@ -146,7 +146,7 @@ void OneResponse::judge() {
                         largest_.at, 100 * largest_.missed / largest_.size));
     if (largest_.size == 0)
         warnings_.add("no-response",
-                      fmt::format("{} does not move under {}: {}", request_.response, request_.input,
+                      fmt::format("{} does not move under {}: {}", request_.response.response, request_.response.input,
                                   session_.machine.why_still(*in_.first, in_.second, *out_.first, out_.second)));
 }
 
@@ -156,8 +156,8 @@ void OneResponse::write_summary(const ResultsFolder& folder, bool is_stopped) {
         json.member("warnings", describe_warnings(warnings_));
         json.member("title", session_.model.title);
         json.member("status", is_stopped ? "stopped" : "completed");
-        json.member("in", request_.input);
-        json.member("out", request_.response);
+        json.member("in", request_.response.input);
+        json.member("out", request_.response.response);
         json.member("rows", rows_);
         json.member("largest_receptance", largest_.size);
         json.member("largest_at_hz", largest_.at);
@@ -181,8 +181,8 @@ ExitCode OneResponse::run() {
     }
     if (!request_.quiet)
         fmt::print("{} points from {:g} to {:g} Hz, {} per {}; largest {:.6g} {} at {:.6g} Hz\nresults in {}\n", rows_,
-                   sweep().x.front(), sweep().x.back(), request_.response, request_.input, largest_.size, columns()[1].unit,
-                   largest_.at, folder.describe("frf.csv"));
+                   sweep().x.front(), sweep().x.back(), request_.response.response, request_.response.input, largest_.size,
+                   columns()[1].unit, largest_.at, folder.describe("frf.csv"));
     return ExitCode::ok;
 }
 

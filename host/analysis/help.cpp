@@ -341,10 +341,10 @@ void print_elements(const Request& request) {
                                                      suggestion(request.words.front(), names)));
         }
         const auto one = std::span(catalogue.types).subspan(as_size(type), 1);
-        if (request.as_json) return fmt::print("{}", to_text(describe_types(one)));
+        if (request.modes.as_json) return fmt::print("{}", to_text(describe_types(one)));
         return print_element(*one.front());
     }
-    if (request.as_json) return fmt::print("{}", to_text(describe_types(catalogue.types)));
+    if (request.modes.as_json) return fmt::print("{}", to_text(describe_types(catalogue.types)));
     for (const PluginLibrary& library : plugins.libraries()) {
         const dttmm_plugin& table = library.table();
         fmt::print("plugin {}: {} {}\n", library.name(), table.name, table.version);
@@ -367,7 +367,7 @@ void print_schema(const Request& request) {
 void make_new(const Request& request) {
     namespace fs = std::filesystem;
     const fs::path folder = request.words.front();
-    const std::string kind = request.from.empty() ? "mounts" : request.from;
+    const std::string kind = request.response.from.empty() ? "mounts" : request.response.from;
     const Template* model = find_model(new_models(), kind);
     if (!model) {
         std::vector<std::string> kinds;

@@ -167,7 +167,7 @@ void print_modes(const Model& model, const ModalMachine& machine, const std::vec
 /// Where they are asked for, up to a little beyond the last mode.
 std::optional<DampedModes> damped_of(const Request& request, const Plugins& plugins, const Model& model,
                                      ModalMachine& machine, const std::vector<Mode>& modes, Warnings& warnings) {
-    if (!request.is_damped) return std::nullopt;
+    if (!request.modes.is_damped) return std::nullopt;
     constexpr double kBeyond = 1.02;
     const double last = modes.empty() ? 0 : kBeyond * modes.back().numbers.frequency;
     const double below = model.modes.below.value_or(last);
@@ -187,7 +187,7 @@ ExitCode find_modes(const Request& request) {
     ModalSession session(request, plugins, warnings);
     const Model& model = session.model;
     ModalMachine& machine = session.machine;
-    if (request.is_verbose) fmt::print(request.as_json ? stderr : stdout, "{}", machine.layout());
+    if (request.modes.is_verbose) fmt::print(request.modes.as_json ? stderr : stdout, "{}", machine.layout());
     const std::vector<Mode> modes = session.find_modes();
 
     std::vector<ModeEnergies> energies;
@@ -195,10 +195,10 @@ ExitCode find_modes(const Request& request) {
         energies.push_back(energies_of(model, machine, mode, static_cast<uint32_t>(energies.size())));
 
     std::string determinant, matrix;
-    if (!request.determinant.empty()) determinant = determinant_table(machine, request.determinant);
-    if (!request.matrix.empty()) matrix = overall_matrix_table(machine, request.matrix);
+    if (!request.modes.determinant.empty()) determinant = determinant_table(machine, request.modes.determinant);
+    if (!request.modes.matrix.empty()) matrix = overall_matrix_table(machine, request.modes.matrix);
     std::optional<GivenShapes> given;
-    if (!request.shapes.empty()) given.emplace(request.shapes, machine, warnings);
+    if (!request.modes.shapes.empty()) given.emplace(request.modes.shapes, machine, warnings);
     if (given) given->compare(model, machine, modes);
     const std::optional<DampedModes> damped = damped_of(request, plugins, model, machine, modes, warnings);
 
@@ -225,7 +225,7 @@ ExitCode find_modes(const Request& request) {
         out.member("inputs", describe_inputs(model, request));
         write_model(out, model, plugins.catalogue());
     });
-    if (request.as_json) {
+    if (request.modes.as_json) {
         fmt::print("{}", to_text(json));
     } else if (!request.quiet) {
         print_modes(model, machine, modes, energies);

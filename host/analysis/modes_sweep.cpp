@@ -217,7 +217,7 @@ ExitCode sweep_modes(const Request& request, const std::vector<SweepAxis>& axes)
     const std::vector<Parameter>& parameters = base.model.parameters;
     const ResultsFolder folder(results_path(request, "-modes"), Claim::keep);
     write_atomically(folder.file("sweep.csv"), modes_sweep_table(cases, curves, parameters));
-    if (request.as_json) {
+    if (request.modes.as_json) {
         fmt::print("{}", to_text(describe_sweep(cases, curves)));
     } else if (!request.quiet) {
         print_sweep(cases, curves, axes, parameters);

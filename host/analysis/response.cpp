@@ -170,7 +170,7 @@ void SteadyResponse::write_summary(const ResultsFolder& folder, size_t rows, boo
         json.member("format", "dttmm-response/1");
         json.member("warnings", describe_warnings(warnings_));
         json.member("title", machine_.session.model.title);
-        if (!request_.kind.empty()) json.member("kind", request_.kind);
+        if (!request_.response.kind.empty()) json.member("kind", request_.response.kind);
         json.member("status", is_stopped ? "stopped" : "completed");
         json.member("rows", rows);
         json.object("largest", [&] {

@@ -72,12 +72,12 @@ ResponseKind quantities_of(const ResponseKind& kind, const std::vector<Excitatio
 std::vector<int> choose_response_channels(const Request& request, const std::vector<Channel>& all,
                                           const Excitation& excitation) {
     std::vector<int> chosen;
-    if (request.kind.empty()) {
-        chosen = select_channels(all, request.outputs);
+    if (request.response.kind.empty()) {
+        chosen = select_channels(all, request.response.outputs);
         chosen.erase(chosen.begin());  // the frequency
         return chosen;
     }
-    const ResponseKind kind = quantities_of(kind_named(request.kind), excitation.inputs());
+    const ResponseKind kind = quantities_of(kind_named(request.response.kind), excitation.inputs());
     std::vector<Channel> names = {all.front()};  // by their whole names, then by those without quantity
     std::vector<int> indices = {0};
     for (const bool is_short : {false, true})
@@ -91,13 +91,13 @@ std::vector<int> choose_response_channels(const Request& request, const std::vec
                                      : one);
             indices.push_back(as_int(c));
         }
-    for (const int found : select_channels(names, request.outputs)) chosen.push_back(indices[as_size(found)]);
+    for (const int found : select_channels(names, request.response.outputs)) chosen.push_back(indices[as_size(found)]);
     std::ranges::sort(chosen);
     chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
     chosen.erase(chosen.begin());
     if (chosen.empty())
         throw Error(ExitCode::model_invalid, fmt::format("--as {}: the model has no element or joint that carries a {}",
-                                                         request.kind, kind.linear ? kind.linear : kind.angular));
+                                                         request.response.kind, kind.linear ? kind.linear : kind.angular));
     return chosen;
 }
 

@@ -12,7 +12,7 @@ namespace dttmm::host {
 namespace {
 
 Excitation make_excitation(const Request& request, const Model& model, const ModalMachine& machine) {
-    if (request.inputs.empty()) {
+    if (request.response.inputs.empty()) {
         Excitation loads(model, machine);
         if (!loads.has_harmonics() && loads.random_count() == 0)
             throw Error(
@@ -23,7 +23,7 @@ Excitation make_excitation(const Request& request, const Model& model, const Mod
         return loads;
     }
     std::vector<Excitation::Input> inputs;
-    for (const std::string& text : request.inputs) {
+    for (const std::string& text : request.response.inputs) {
         const auto [place, direction] = place_and_direction(model, machine, "--in", text);
         inputs.push_back({text, place, direction});
     }

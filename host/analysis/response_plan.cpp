@@ -94,9 +94,9 @@ std::vector<double> orders_of(const Request& request, const Model& model, const 
                     fmt::format("{}: --rpm: no load is an order of the speed; write order = 2 in a harmonic load, or an "
                                 "unbalance",
                                 model.path));
-    if (request.orders.empty()) return known;
+    if (request.response.orders.empty()) return known;
     std::vector<double> chosen;
-    for (const std::string& text : request.orders) {
+    for (const std::string& text : request.response.orders) {
         double order = 0;
         try {
             order = parse_quantity(text, "1");
@@ -151,9 +151,9 @@ std::vector<double> natural_frequencies(ModalMachine& machine, double to, Warnin
 
 ResponsePlan::ResponsePlan(const Request& request, const Model& model, const Excitation& excitation, ModalMachine& machine,
                            Warnings& warnings) {
-    if (!request.rpm.empty())
+    if (!request.response.rpm.empty())
         plan_speeds(request, model, excitation, machine, warnings);
-    else if (request.orders.empty())
+    else if (request.response.orders.empty())
         plan_frequencies(request, excitation, machine, warnings);
     else
         throw Error(ExitCode::usage, "--order: orders of which speed? give it with --rpm, as --rpm 800..6000");
@@ -164,11 +164,11 @@ void ResponsePlan::plan_speeds(const Request& request, const Model& model, const
     if (excitation.is_by_inputs())
         throw Error(ExitCode::usage,
                     "--rpm asks for the orders of the model's loads; with --in give frequencies, --from and --to");
-    if (!request.from.empty() || !request.to.empty() || request.points > 0)
+    if (!request.response.from.empty() || !request.response.to.empty() || request.response.points > 0)
         throw Error(ExitCode::usage,
                     "--rpm excludes --from, --to and --points; write the number of speeds behind it, --rpm 800..6000:260");
     const std::vector<double> orders = orders_of(request, model, excitation);
-    const Speeds speeds = parse_speeds(request.rpm);
+    const Speeds speeds = parse_speeds(request.response.rpm);
     if (model.machine_rests_on_speed)
         warnings.add("machine-of-speed",
                      "other numbers of the model than amplitudes rest on Omega: they stay as they are at the model's own "
@@ -193,18 +193,20 @@ void ResponsePlan::plan_speeds(const Request& request, const Model& model, const
 
 void ResponsePlan::plan_frequencies(const Request& request, const Excitation& excitation, ModalMachine& machine,
                                     Warnings& warnings) {
-    const bool has_range = !request.from.empty() || !request.to.empty(), everywhere = excitation.acts_everywhere();
-    if (has_range && (request.from.empty() || request.to.empty()))
+    const bool has_range = !request.response.from.empty() || !request.response.to.empty(),
+               everywhere = excitation.acts_everywhere();
+    if (has_range && (request.response.from.empty() || request.response.to.empty()))
         throw Error(ExitCode::usage, "--from and --to go together");
     if (everywhere && !has_range && excitation.random_count() == 0)
         throw Error(ExitCode::usage, "which frequencies? give --from and --to, e.g. --from 1Hz --to 200Hz");
     double from = 0, to = std::numeric_limits<double>::infinity();
     if (excitation.random_count() > 0) std::tie(random_from, random_to) = excitation.random_range();
     if (has_range) {
-        from = frequency_of("--from", request.from);
-        to = frequency_of("--to", request.to);
+        from = frequency_of("--from", request.response.from);
+        to = frequency_of("--to", request.response.to);
         if (!(to > from)) throw Error(ExitCode::usage, "--to must be more than --from");
-        if (request.is_logarithmic && from == 0) throw Error(ExitCode::usage, "--log: --from must be more than zero");
+        if (request.response.is_logarithmic && from == 0)
+            throw Error(ExitCode::usage, "--log: --from must be more than zero");
         if (excitation.random_count() > 0 && (random_from < from || random_to > to)) {
             warnings.note("density-cut",
                           fmt::format("random loads count from {:g} to {:g} Hz only: what their densities have "
@@ -216,16 +218,16 @@ void ResponsePlan::plan_frequencies(const Request& request, const Excitation& ex
     } else if (everywhere) {
         std::tie(from, to) = std::pair(random_from, random_to);
     }
-    if (excitation.random_count() > 0 && request.points > 0)
+    if (excitation.random_count() > 0 && request.response.points > 0)
         warnings.note("own-points", "RMS values are integrals over points of their own choice, not over --points");
     if (!excitation.is_by_inputs() && !excitation.has_harmonics()) return;
     ResponseSweep sweep;
     for (const double f : excitation.own_frequencies())
         if (f >= from && f <= to) sweep.own.push_back(f);
     if (everywhere) {
-        sweep.is_adaptive = request.points == 0;
+        sweep.is_adaptive = request.response.points == 0;
         sweep.x = sweep.is_adaptive ? begin_with(from, to, natural_frequencies(machine, to, warnings))
-                                    : spaced(from, to, request.points, request.is_logarithmic);
+                                    : spaced(from, to, request.response.points, request.response.is_logarithmic);
     } else if (sweep.own.empty()) {
         throw Error(ExitCode::usage, fmt::format("no harmonic load acts from {:g} to {:g} Hz: they act at {} Hz", from, to,
                                                  fmt::join(excitation.own_frequencies(), ", ")));

@@ -129,7 +129,7 @@ ExitCode conclude(const Request& request, Session& session, const Simulation& si
 ExitCode run(const Request& request) {
     const StopSignals signals;
     Session session(request);
-    session.refuse_unstable(request.force);
+    session.refuse_unstable(request.run.force);
     return run(request, session, ResultsFolder(request.output.value_or(default_results_path(request.model))), {});
 }
 
@@ -138,10 +138,10 @@ ExitCode run(const Request& request, Session& session, const ResultsFolder& fold
         const Attributes attributes = {
             {"title", session.model.title}, {"version", DTTMM_VERSION}, {"model", session.model.source}};
         return Recorder(folder, session.simulation.channels(), session.selection, attributes, rows,
-                        session.halving ? Recorder::every_channel : counts_in_summary);
+                        session.halving ? Recorder::of_every_channel : counts_in_summary);
     };
     std::optional<TraceFile> trace;
-    if (request.trace) trace.emplace(*request.trace);
+    if (request.run.trace) trace.emplace(*request.run.trace);
     const auto trace_from = [&](Simulation& simulation) {
         if (trace) simulation.trace_to([&](const StepReport& report) { trace->write(simulation, report); });
     };

@@ -106,7 +106,7 @@ Session::Session(const Request& request)
     : plugins(request.plugins),
       model(prepare(request)),
       simulation(model, plugins),
-      selection(selected_channels(model, simulation, request.records_motion)) {
+      selection(selected_channels(model, simulation, request.run.records_motion)) {
     if (!model.simulation.starts_at_rest) warn_jumps(model, plugins.catalogue(), warnings);
     if (model.simulation.tolerance)
         halving.emplace(model, plugins, simulation.channels(), selection);
@@ -116,10 +116,10 @@ Session::Session(const Request& request)
 
 Model Session::prepare(const Request& request) {
     Model read = read_model(request.model, plugins.catalogue(), request.overrides);
-    read.output.has_lines = request.records_motion;
+    read.output.has_lines = request.run.records_motion;
     has_chosen_step = read.simulation.step == 0;
     read = choose_step(std::move(read), plugins);
-    if (read.simulation.tolerance && !request.force) read = start_stable(std::move(read), plugins, warnings);
+    if (read.simulation.tolerance && !request.run.force) read = start_stable(std::move(read), plugins, warnings);
     warnings.add(read.warnings);
     return read;
 }

@@ -34,10 +34,10 @@ public:
     SpectrumCommand(const Request& request, Warnings& warnings)
         : request_(request),
           warnings_(warnings),
-          taper_(parse_taper(request.window.empty() ? "hann" : request.window)),
+          taper_(parse_taper(request.spectrum.window.empty() ? "hann" : request.spectrum.window)),
           run_(request.words.front(), warnings) {
         check_words();
-        run_.read(request.channels, request.speed, request.from, request.to);
+        run_.read(request.spectrum.channels, request.spectrum.speed, request.response.from, request.response.to);
         size_ = find_segment_size();
     }
 
@@ -71,36 +71,37 @@ private:
 };
 
 void SpectrumCommand::check_words() const {
-    if (request_.orders.empty() != request_.speed.empty())
+    if (request_.response.orders.empty() != request_.spectrum.speed.empty())
         throw Error(ExitCode::usage,
                     "--orders and --speed belong together: the orders, and the channel of the shaft's speed or angle");
-    if (!request_.modes.empty() && request_.identified == 0)
+    if (!request_.spectrum.modes.empty() && request_.spectrum.identified == 0)
         throw Error(ExitCode::usage, "--modes: what is to be compared? give --identify N, the number of modes to find");
 }
 
 size_t SpectrumCommand::find_segment_size() const {
-    if (request_.segments > 0 && !request_.resolution.empty())
+    if (request_.spectrum.segments > 0 && !request_.spectrum.resolution.empty())
         throw Error(ExitCode::usage, "--segments and --resolution say the same; give one of them");
-    size_t size = segment_size(run_.rows(), static_cast<size_t>(std::max(request_.segments, 1)));
-    if (!request_.resolution.empty()) {
+    size_t size = segment_size(run_.rows(), static_cast<size_t>(std::max(request_.spectrum.segments, 1)));
+    if (!request_.spectrum.resolution.empty()) {
         double resolution = 0;
         try {
-            resolution = parse_quantity(request_.resolution, "Hz");
+            resolution = parse_quantity(request_.spectrum.resolution, "Hz");
         } catch (const Error& error) {
-            throw Error(ExitCode::usage, fmt::format("--resolution {}: {}", quote(request_.resolution), error.what()));
+            throw Error(ExitCode::usage,
+                        fmt::format("--resolution {}: {}", quote(request_.spectrum.resolution), error.what()));
         }
         const double wanted = 1 / (resolution * run_.interval());
         if (!(wanted >= 2 && wanted <= (1 + 1e-9) * static_cast<double>(run_.rows())))
             throw Error(ExitCode::usage,
                         fmt::format("--resolution {}: the window of {:g} s has a resolution of {:g} Hz at best, and {:g} Hz "
                                     "at most for rows every {:g} s",
-                                    request_.resolution, run_.duration(), 1 / run_.duration(), 1 / (2 * run_.interval()),
-                                    run_.interval()));
+                                    request_.spectrum.resolution, run_.duration(), 1 / run_.duration(),
+                                    1 / (2 * run_.interval()), run_.interval()));
         size = std::min(run_.rows(), static_cast<size_t>(std::lround(wanted)));
     }
     if (size < 2)
-        throw Error(ExitCode::usage, fmt::format("--segments {}: {} are too few for so many; give fewer", request_.segments,
-                                                 counted(run_.rows(), "row", "rows")));
+        throw Error(ExitCode::usage, fmt::format("--segments {}: {} are too few for so many; give fewer",
+                                                 request_.spectrum.segments, counted(run_.rows(), "row", "rows")));
     return size;
 }
 
@@ -252,8 +253,8 @@ ExitCode SpectrumCommand::run() {
     find_levels();
     find_spectra();
     judge_peaks();
-    if (request_.identified > 0) modes_.emplace(request_, run_, moving_, warnings_);
-    if (!request_.orders.empty()) orders_.emplace(request_, run_, moving_, warnings_);
+    if (request_.spectrum.identified > 0) modes_.emplace(request_, run_, moving_, warnings_);
+    if (!request_.response.orders.empty()) orders_.emplace(request_, run_, moving_, warnings_);
     const ResultsFolder folder(spectrum_path(request_));
     write_atomically(folder.file("levels.csv"), levels_table());
     if (!moving_.empty()) write_spectra(folder);

@@ -47,8 +47,8 @@ SpectrumModes::SpectrumModes(const Request& request, const RecordedRun& run, con
         values.push_back(run.values()[c]);
     }
     std::optional<ShapeMatch> shapes;
-    if (!request.modes.empty()) shapes.emplace(request.modes, channels_);
-    const size_t wanted = as_size(request.identified), most = most_modes(values.size(), run.rows());
+    if (!request.spectrum.modes.empty()) shapes.emplace(request.spectrum.modes, channels_);
+    const size_t wanted = as_size(request.spectrum.identified), most = most_modes(values.size(), run.rows());
     // An extrapolated history has each mode twice
     const size_t sought = steps_.size() < 2 ? wanted : std::max(wanted, std::min(most, 2 * wanted + kSpare));
     found_ = identify_modes(values, run.interval(), sought);
@@ -56,7 +56,7 @@ SpectrumModes::SpectrumModes(const Request& request, const RecordedRun& run, con
     keep_strongest(wanted);
     for (size_t i = 0; shapes && i < found_.modes.size(); ++i)
         matches_.push_back(shapes->match(found_.modes[i].shape, true_rates_[i]));
-    judge(run, request.identified, warnings);
+    judge(run, request.spectrum.identified, warnings);
     if (shapes && shapes->size() < 2)
         warnings.add("mac-of-one",
                      "a single channel has a place in the shapes of the modes: every MAC is 1 and says nothing; "

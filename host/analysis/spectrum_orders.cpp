@@ -40,13 +40,13 @@ std::vector<double> parse_orders(const std::vector<std::string>& texts) {
 
 SpectrumOrders::SpectrumOrders(const Request& request, const RecordedRun& run, const std::vector<size_t>& moving,
                                Warnings& warnings)
-    : orders_(parse_orders(request.orders)), start_(run.start()) {
+    : orders_(parse_orders(request.response.orders)), start_(run.start()) {
     std::vector<const std::vector<double>*> values;
     for (const size_t c : moving) {
         channels_.push_back(run.channels()[c]);
         values.push_back(&run.values()[c]);
     }
-    const ShaftAngle shaft = shaft_angle(run.always(), request.speed, run.always_unit(), run.interval());
+    const ShaftAngle shaft = shaft_angle(run.always(), request.spectrum.speed, run.always_unit(), run.interval());
     rows_ = track_orders(values, shaft, orders_, run.interval());
     size_t unresolved = 0;
     for (const OrderRow& row : rows_)

@@ -53,13 +53,13 @@ private:
 };
 
 double instant_of(const Request& request) {
-    if (request.at.empty()) return 0;
+    if (request.statics.at.empty()) return 0;
     try {
-        const double time = parse_quantity(request.at, "s");
+        const double time = parse_quantity(request.statics.at, "s");
         if (std::isfinite(time) && time >= 0) return time;
         throw Error(ExitCode::usage, "must be zero or more");
     } catch (const Error& error) {
-        throw Error(ExitCode::usage, fmt::format("--at {}: {}", quote(request.at), error.what()));
+        throw Error(ExitCode::usage, fmt::format("--at {}: {}", quote(request.statics.at), error.what()));
     }
 }
 
@@ -275,7 +275,7 @@ void look_at_stability(const Request& request, const Model& model, const Plugins
         machine.emplace(model, describe());
         found.growing = as_int(machine->count_growing(false));
     } catch (const Error& error) {
-        if (request.buckling > 0) throw;  // asked for; otherwise the equilibrium stands without it
+        if (request.statics.buckling > 0) throw;  // asked for; otherwise the equilibrium stands without it
         found.why_not_counted = error.what();
         return;
     }
@@ -284,7 +284,7 @@ void look_at_stability(const Request& request, const Model& model, const Plugins
     } catch (const Error& error) {
         found.why_free_unknown = error.what();
     }
-    if (request.buckling > 0) found.factors = Buckling(describe()).find_factors(request.buckling);
+    if (request.statics.buckling > 0) found.factors = Buckling(describe()).find_factors(request.statics.buckling);
 }
 
 /// What nothing holds in the machine as it is assembled, behind a reason why it does not come to rest.
@@ -449,7 +449,7 @@ void write_summary(JsonWriter& json, const Results& results, const Model& model,
         if (found.growing) member("growing_motions", *found.growing);
         if (found.free) member("free_motions", found.free->count);
         if (found.free && !found.free->names.empty()) member("what_is_free", found.free->names);
-        if (request.buckling > 0) member("critical_load_factors", found.factors);
+        if (request.statics.buckling > 0) member("critical_load_factors", found.factors);
     };
     json.member("format", "dttmm-static/1");
     json.member("warnings", describe_warnings(warnings));
@@ -505,7 +505,7 @@ void print_case(const Request& request, const Model& model, const Results& resul
     if (!found.load_case.empty())
         fmt::print("{}case {}\n", &found == &results.cases.front() ? "" : "\n", quote(found.load_case));
     print_table(model, Vectors(results.channels, found.row));
-    if (request.buckling > 0) print_buckling(found.factors, request.buckling);
+    if (request.statics.buckling > 0) print_buckling(found.factors, request.statics.buckling);
     fmt::print("{}forces balance to {:.2g} N (the largest is {:.4g} N) after {} in {}\n",
                found.growing.value_or(0) > 0
                    ? fmt::format("unstable: {}; ", counted(as_size(*found.growing), "motion grows", "motions grow"))

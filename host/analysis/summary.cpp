@@ -131,12 +131,11 @@ void write_channels(JsonWriter& out, const char* section, const Recorder& record
     });
 }
 
-/// The force or moment of an element or joint; its angle or travel; its length.
+/// A force or moment, of an element or joint above all; an angle, travel or length of one.
 bool tells_of_link(const Channel& channel) {
     const std::string& quantity = channel.quantity();
-    return (channel.of() == Channel::Of::element || channel.of() == Channel::Of::joint) &&
-           (quantity == "force" || quantity == "moment" || quantity == "angle" || quantity == "travel" ||
-            quantity == "length");
+    return quantity == "force" || quantity == "moment" || quantity == "angle" || quantity == "travel" ||
+           quantity == "length";
 }
 
 Wanted is_of(Channel::Of of) {

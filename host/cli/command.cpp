@@ -104,7 +104,7 @@ const CommandLine kCommands[] = {
     {kRun, "run", "run a model and record its histories", Given::model,
      [](const Request& request) {
          if (request.sweeps.empty()) return run(request);
-         if (request.trace)
+         if (request.run.trace)
              throw Error(ExitCode::usage, "--trace is for one run: a sweep has many; run the case of interest with --set");
          return run_sweep(request, axes_of(request));
      }},

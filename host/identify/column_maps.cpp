@@ -13,7 +13,7 @@
 namespace dttmm::host {
 
 ColumnMaps::ColumnMaps(const Request& request, const MeasuredSettings& settings) : channels_(settings.channels) {
-    for (const std::string& text : request.maps) add(text);
+    for (const std::string& text : request.fit.maps) add(text);
 }
 
 void ColumnMaps::add(const std::string& text) {

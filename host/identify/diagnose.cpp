@@ -26,12 +26,12 @@ namespace {
 
 /// Elements that --suspects names.
 Suspects find_suspects(const Request& request, const Model& model, const ElementCatalogue& catalogue) {
-    if (request.suspects.empty())
+    if (request.fit.suspects.empty())
         throw Error(ExitCode::usage, "which elements may be loose? Name them with --suspects, e.g. --suspects 'bolt*'");
     Suspects suspects;
     std::vector<std::string> names;
     for (const Element& element : model.elements) names.push_back(element.name);
-    for (const std::string& text : request.suspects)
+    for (const std::string& text : request.fit.suspects)
         for (const std::string& pattern : split_list(text)) {
             bool is_any = false, is_stiff = false;
             for (const Element& element : model.elements) {
@@ -171,7 +171,7 @@ ExitCode diagnose(const Request& request) {
     overrides.purpose = Purpose::modes;
     const Model model = read_model(request.model, plugins.catalogue(), overrides);
     const Suspects suspects = find_suspects(request, model, plugins.catalogue());
-    if (request.is_plan) return plan_test(request, plugins, suspects.names);
+    if (request.fit.is_plan) return plan_test(request, plugins, suspects.names);
     const Observations observations = read_observations(request, model, plugins, warnings);
     const Unknowns common(request, model, plugins.catalogue(), observations.channel_names());
     Comparison comparison(request, observations, plugins);

@@ -18,7 +18,7 @@ namespace dttmm::host {
 namespace {
 
 std::string command_of(const Request& request, const std::vector<std::string>& figures) {
-    if (!request.work.empty()) return request.work;
+    if (!request.study.work.empty()) return request.study.work;
     const auto is_all = [&](const auto& is) { return !figures.empty() && std::ranges::all_of(figures, is); };
     if (is_all([](const std::string& text) { return text.starts_with("mode") || text.starts_with("damped"); }))
         return "modes";
@@ -33,8 +33,8 @@ FigureFunction::FigureFunction(const Request& request, const Model& model, const
     : plugins_(plugins) {
     plan_.command = command_of(request, figures);
     plan_.request = request;
-    plan_.request.variations.clear();
-    plan_.request.is_damped =
+    plan_.request.study.variations.clear();
+    plan_.request.modes.is_damped =
         std::ranges::any_of(figures, [](const std::string& text) { return text.starts_with("damped"); });
     plan_.request.quiet = true;
     plan_.figures = figures;

@@ -111,15 +111,15 @@ ExitCode identify(const Request& request) {
     ModelOverrides overrides = request.overrides;
     overrides.purpose = Purpose::modes;  // a model of modes needs no [simulation]
     const Model model = read_model(request.model, plugins.catalogue(), overrides);
-    if (request.free.empty() && request.nuisances.empty())
+    if (request.fit.free.empty() && request.fit.nuisances.empty())
         throw Error(ExitCode::usage,
                     fmt::format("what is sought? Give it with --free, e.g. --free {}",
                                 model.parameters.empty() ? "bolt1.stiffness" : model.parameters.front().name));
     const Observations observations = read_observations(request, model, plugins, warnings);
     const Unknowns unknowns(request, model, plugins.catalogue(), observations.channel_names());
     Comparison comparison(request, observations, plugins);
-    Identifier identifier(comparison, unknowns, read_priors(request.priors, unknowns, model.parameters), request.jobs);
-    const Identification found = identifier.identify(request.starts, request.seed);
+    Identifier identifier(comparison, unknowns, read_priors(request.fit.priors, unknowns, model.parameters), request.jobs);
+    const Identification found = identifier.identify(request.fit.starts, request.study.seed);
     const std::vector<std::string> verdict = make_verdict(found, comparison, unknowns);
 
     const ResultsFolder folder(results_path(request, "-identify"));

@@ -184,9 +184,9 @@ std::vector<std::string> parameters_of(const Request& request, const Model& mode
     const auto add = [&](const std::string& name) {
         if (std::ranges::find(names, name) == names.end()) names.push_back(name);
     };
-    for (const std::string& text : request.by)
+    for (const std::string& text : request.fit.by)
         for (const std::string& name : parameter_names(text, model.parameters, "--by")) add(name);
-    for (const std::string& text : request.variations)
+    for (const std::string& text : request.study.variations)
         for (const std::string& name : parse_variation(text, model.parameters).names) add(name);
     if (names.empty()) throw Error(ExitCode::usage, "which parameters change? Name them with --by, e.g. --by k1..k4");
     for (const std::string& name : names)
@@ -217,7 +217,7 @@ Scatter find_scatter(const Request& request, const Model& model, const FigureFun
                      const LocalSensitivity& local) {
     std::vector<Distribution> distributions(function.parameters().size());
     std::vector<bool> varies(distributions.size(), false);
-    for (const std::string& text : request.variations) {
+    for (const std::string& text : request.study.variations) {
         const Variation variation = parse_variation(text, model.parameters);
         for (const std::string& name : variation.names)
             for (size_t p = 0; p < distributions.size(); ++p)
@@ -413,11 +413,11 @@ ExitCode find_sensitivities(const Request& request) {
     ModelOverrides overrides = request.overrides;
     overrides.purpose = Purpose::modes;
     const Model model = read_model(request.model, plugins.catalogue(), overrides);
-    const FigureFunction function(request, model, plugins, parameters_of(request, model), request.figures);
+    const FigureFunction function(request, model, plugins, parameters_of(request, model), request.study.figures);
     Method method;
     const LocalSensitivity local = differentiate(function, request.jobs, method);
     std::optional<Scatter> scatter;
-    if (!request.variations.empty()) scatter = find_scatter(request, model, function, local);
+    if (!request.study.variations.empty()) scatter = find_scatter(request, model, function, local);
     const ResultsFolder folder(results_path(request, "-sensitivity"));
     write_tables(folder, request, function, local, scatter, method);
     if (!request.quiet) {

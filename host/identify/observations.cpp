@@ -49,7 +49,7 @@ public:
           maps_(request, model.measured) {}
 
     Observations read() {
-        std::vector<std::filesystem::path> files = request_.measured;
+        std::vector<std::filesystem::path> files = request_.fit.measured;
         if (files.empty() && !model_.measured.file.empty()) files.push_back(model_.measured.file);
         if (files.empty())
             refuse(ExitCode::usage,
@@ -112,8 +112,8 @@ private:
                                                    quote(example)));
         if (!measurement.modes.empty())
             add_modes(measurement,
-                      read_noise(request_.noise.empty() ? model_.measured.noise : request_.noise, "Hz", "--noise"), names_,
-                      maps_, found_, warnings_);
+                      read_noise(request_.fit.noise.empty() ? model_.measured.noise : request_.fit.noise, "Hz", "--noise"),
+                      names_, maps_, found_, warnings_);
     }
 
     /// The channel that a signal is called after: as a map says, else by its name, else by its title.
@@ -125,7 +125,8 @@ private:
 
     /// Whether --channels wants it.
     bool is_chosen(const std::string& channel) const {
-        return request_.channels.empty() || std::ranges::any_of(request_.channels, [&](const std::string& text) {
+        return request_.spectrum.channels.empty() ||
+               std::ranges::any_of(request_.spectrum.channels, [&](const std::string& text) {
                    return std::ranges::any_of(split_list(text), [&](const std::string& pattern) {
                        return fnmatch(pattern.c_str(), channel.c_str(), 0) == 0;
                    });
@@ -163,7 +164,7 @@ private:
 
     double noise_of(const MeasuredChannel* map, const std::string& unit, double largest, bool& is_of_user) {
         std::string text = map ? map->noise : "";
-        if (text.empty()) text = request_.noise.empty() ? model_.measured.noise : request_.noise;
+        if (text.empty()) text = request_.fit.noise.empty() ? model_.measured.noise : request_.fit.noise;
         const NoiseLevel level = read_noise(text, unit, map && !map->noise.empty() ? map->place : "--noise");
         is_of_user = level.is_known();
         return level.absolute > 0 ? level.absolute : level.share * largest;
@@ -272,7 +273,7 @@ private:
             const MeasuredChannel* map = maps_.find_reference(signal.reference);
             return map ? map->channel : signal.reference;
         }
-        if (!request_.inputs.empty()) return request_.inputs.front();
+        if (!request_.response.inputs.empty()) return request_.response.inputs.front();
         if (!model_.measured.input.empty()) return model_.measured.input;
         refuse(ExitCode::usage,
                fmt::format("{}: what drove this response? Give it with --in PLACE.DIRECTION, or `input` in [measured]",

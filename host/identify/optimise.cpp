@@ -176,7 +176,7 @@ void report(const Request& request, const FigureFunction& function, const std::v
             sets, [&](const Optimum* other) { return (other->x - one.x).cwiseAbs().maxCoeff() < kSameValues; });
         if (!is_known) sets.push_back(&one);
     }
-    const Goal goal = parse_goal(request.goal);
+    const Goal goal = parse_goal(request.fit.goal);
     const double wanted = goal.kind == Goal::Kind::value ? parse_quantity(goal.value, figure.unit) : best.figure;
     const bool is_reached =
         std::abs(best.figure - wanted) <= kSameFigure * std::max(std::abs(wanted), std::abs(best.figure));
@@ -192,7 +192,7 @@ void report(const Request& request, const FigureFunction& function, const std::v
                                               : ""));
     }
     write_json(folder.file("optimise.json"), Json{{"format", "dttmm-optimise/1"},
-                                                  {"goal", request.goal},
+                                                  {"goal", request.fit.goal},
                                                   {"figure", figure.name},
                                                   {"unit", figure.unit},
                                                   {"value", best.figure},
@@ -204,7 +204,7 @@ void report(const Request& request, const FigureFunction& function, const std::v
                                                   {"ended_there", same},
                                                   {"sets_of_values", sets.size()},
                                                   {"command_line", request.command_line}});
-    if (!is_reached) tell(fmt::format("warning: the goal {} is not reached within these ranges", quote(request.goal)));
+    if (!is_reached) tell(fmt::format("warning: the goal {} is not reached within these ranges", quote(request.fit.goal)));
     if (request.quiet) return;
     fmt::print("{} = {:.7g} {}; with the file's values {:.7g}\n", figure.name, best.figure, figure.unit, at_file);
     for (const std::string& line : lines) fmt::print("{}\n", line);
@@ -256,15 +256,15 @@ ExitCode optimise(const Request& request) {
     ModelOverrides overrides = request.overrides;
     overrides.purpose = Purpose::modes;
     const Model model = read_model(request.model, plugins.catalogue(), overrides);
-    const Goal goal = parse_goal(request.goal);
-    const std::vector<Range> ranges = read_ranges(request.by, model);
+    const Goal goal = parse_goal(request.fit.goal);
+    const std::vector<Range> ranges = read_ranges(request.fit.by, model);
     std::vector<std::string> names;
     for (const Range& range : ranges) names.push_back(range.name);
     const FigureFunction function(request, model, plugins, names, {goal.figure});
     if (function.figures().size() != 1) {
         std::vector<std::string> all;
         for (const Column& one : function.figures()) all.push_back(one.name);
-        throw Error(ExitCode::usage, fmt::format("--goal {}: that are {} figures ({}); name one", quote(request.goal),
+        throw Error(ExitCode::usage, fmt::format("--goal {}: that are {} figures ({}); name one", quote(request.fit.goal),
                                                  all.size(), listed(all)));
     }
     const auto count = as_row(ranges.size());
@@ -274,9 +274,9 @@ ExitCode optimise(const Request& request) {
         high(i) = std::log(ranges[as_size(i)].high);
         first(i) = std::clamp(std::log(std::abs(function.nominal()(i))), low(i), high(i));
     }
-    const size_t starts = request.starts > 0 ? as_size(request.starts) : 4 + 4 * ranges.size();
+    const size_t starts = request.fit.starts > 0 ? as_size(request.fit.starts) : 4 + 4 * ranges.size();
     const Eigen::MatrixXd shares =
-        make_probabilities(Design::sobol, as_row(starts), count, static_cast<std::uint64_t>(request.seed));
+        make_probabilities(Design::sobol, as_row(starts), count, static_cast<std::uint64_t>(request.study.seed));
     const Objective objective(function, goal, 0);
     const std::vector<TaskResult> results = map_in_processes(starts, request.jobs, [&](size_t s) {
         const Eigen::VectorXd start =

@@ -70,7 +70,7 @@ public:
           slopes_(figures_, as_row(directions.size())),
           row_slopes_(as_row(figures_.watched_count()), as_row(directions.size())) {
         if (session_.halving) throw Error(ExitCode::usage, "a run to a tolerance is of several time steps");
-        session_.refuse_unstable(function.plan().request.force);
+        session_.refuse_unstable(function.plan().request.run.force);
         for (const Direction& one : directions)
             pairs_.push_back({make(one.shares * one.distance), make(-one.shares * one.distance), one.distance});
         session_.simulation.record_to([this](std::span<const double> row) {

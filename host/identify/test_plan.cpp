@@ -108,7 +108,8 @@ public:
 
 private:
     bool is_chosen(const std::string& freedom) const {
-        return request_.channels.empty() || std::ranges::any_of(request_.channels, [&](const std::string& pattern) {
+        return request_.spectrum.channels.empty() ||
+               std::ranges::any_of(request_.spectrum.channels, [&](const std::string& pattern) {
                    return fnmatch(pattern.c_str(), freedom.c_str(), 0) == 0;
                });
     }

@@ -55,11 +55,11 @@ std::pair<std::string, std::string> split_range(const std::string& text, const s
 
 Unknowns::Unknowns(const Request& request, const Model& model, const ElementCatalogue& catalogue,
                    const std::vector<std::string>& channels) {
-    for (const std::string& text : request.free)
+    for (const std::string& text : request.fit.free)
         for (const std::string& item : split_list(text)) add_free(item, model, catalogue);
-    for (const std::string& text : request.nuisances)
+    for (const std::string& text : request.fit.nuisances)
         for (const std::string& item : split_list(text)) add_nuisance(item, channels);
-    for (const std::string& text : request.bounds) set_bounds(text, model.parameters);
+    for (const std::string& text : request.fit.bounds) set_bounds(text, model.parameters);
     for (const Unknown& one : all_)
         if (!(one.start >= one.low && one.start <= one.high))
             refuse_usage(fmt::format("--bounds of {} leave out the value of the file, {} {}", quote(one.name),

@@ -136,7 +136,7 @@ void NetworkInstance::read_channels(const dttmm_network& network) {
         channels_.push_back(channel_of(channels[c], network));
         roles_.push_back(static_cast<uint8_t>(channels[c].role));
     }
-    if (Channel::have_twins(channels_)) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
+    if (Channel::have_duplicates(channels_)) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
 }
 
 void NetworkInstance::read_parts() {

@@ -20,44 +20,44 @@ namespace {
 
 /// One copy of each value, by number. A value stays where it is as long as the process runs: its models share them.
 template <class Value, class Hash>
-class Shelf {
+class InternTable {
 public:
-    /// The number of the value that `seen` shows. Threads may call it together.
-    template <class Seen>
-    uint32_t keep(const Seen& seen) {
+    /// The number of the value that `key` shows. Threads may call it together.
+    template <class Key>
+    uint32_t keep(const Key& key) {
         const std::lock_guard lock(mutex_);
-        if (const auto found = numbers_.find(seen); found != numbers_.end()) return *found;
+        if (const auto found = numbers_.find(key); found != numbers_.end()) return *found;
         const auto number = static_cast<uint32_t>(numbers_.size());
         const Place place(number);
-        if (place.index == 0) boards_[place.board] = std::make_unique<Value[]>(size_t{1} << place.board);
-        boards_[place.board][place.index] = Value(seen);
+        if (place.index == 0) blocks_[place.block] = std::make_unique<Value[]>(size_t{1} << place.block);
+        blocks_[place.block][place.index] = Value(key);
         numbers_.insert(number);
         return number;
     }
     /// number: from keep(). What other threads keep meanwhile leaves all that is read here alone.
     const Value& operator[](uint32_t number) const {
         const Place place(number);
-        return boards_[place.board][place.index];
+        return blocks_[place.block][place.index];
     }
 
 private:
-    /// Board b has room for 2^b values.
+    /// Block b has room for 2^b values.
     struct Place {
         explicit Place(uint32_t number)
-            : board(static_cast<size_t>(std::bit_width(number + 1)) - 1), index(number + 1 - (size_t{1} << board)) {}
-        size_t board, index;
+            : block(static_cast<size_t>(std::bit_width(number + 1)) - 1), index(number + 1 - (size_t{1} << block)) {}
+        size_t block, index;
     };
     struct ByValue {
         using is_transparent = void;
-        size_t operator()(uint32_t number) const { return Hash{}(shelf[number]); }
-        size_t operator()(const auto& seen) const { return Hash{}(seen); }
+        size_t operator()(uint32_t number) const { return Hash{}(table[number]); }
+        size_t operator()(const auto& key) const { return Hash{}(key); }
         bool operator()(uint32_t a, uint32_t b) const { return a == b; }
-        bool operator()(const auto& seen, uint32_t number) const { return shelf[number] == seen; }
-        const Shelf& shelf;
+        bool operator()(const auto& key, uint32_t number) const { return table[number] == key; }
+        const InternTable& table;
     };
 
     std::mutex mutex_;
-    std::array<std::unique_ptr<Value[]>, 32> boards_;
+    std::array<std::unique_ptr<Value[]>, 32> blocks_;
     std::unordered_set<uint32_t, ByValue, ByValue> numbers_{0, ByValue{*this}, ByValue{*this}};
 };
 
@@ -66,7 +66,7 @@ struct TextHash {
 };
 
 /// What few channels differ in; its texts are elsewhere.
-struct SeenForm {
+struct FormKey {
     std::string_view axis, unit;
     Channel::Of of;
     bool by_default;
@@ -74,9 +74,9 @@ struct SeenForm {
 
 struct Form {
     Form() = default;
-    explicit Form(const SeenForm& seen) : axis(seen.axis), unit(seen.unit), of(seen.of), by_default(seen.by_default) {}
-    bool operator==(const SeenForm& seen) const {
-        return axis == seen.axis && unit == seen.unit && of == seen.of && by_default == seen.by_default;
+    explicit Form(const FormKey& key) : axis(key.axis), unit(key.unit), of(key.of), by_default(key.by_default) {}
+    bool operator==(const FormKey& key) const {
+        return axis == key.axis && unit == key.unit && of == key.of && by_default == key.by_default;
     }
     std::string axis, unit;
     Channel::Of of = Channel::Of::nothing;
@@ -87,28 +87,28 @@ struct FormHash {
     size_t operator()(const auto& form) const { return TextHash{}(form.axis) + 31 * TextHash{}(form.unit); }
 };
 
-using Texts = Shelf<std::string, TextHash>;
+using Texts = InternTable<std::string, TextHash>;
 
 Texts& owners() {
-    static Texts shelf;
-    return shelf;
+    static Texts table;
+    return table;
 }
 
 Texts& quantities() {
-    static Texts shelf;
-    return shelf;
+    static Texts table;
+    return table;
 }
 
-Shelf<Form, FormHash>& forms() {
-    static Shelf<Form, FormHash> shelf;
-    return shelf;
+InternTable<Form, FormHash>& forms() {
+    static InternTable<Form, FormHash> table;
+    return table;
 }
 
-/// In so many bits.
-uint64_t fitting(uint32_t number, int bits) {
+/// Throws where a number of what `names` says needs more bits.
+uint64_t checked(uint32_t number, int bits, const char* names) {
     if (number >> bits != 0)
         throw Error(ExitCode::resource_limit,
-                    fmt::format("the channels have more than {} names of one kind; divide the machine", 1U << bits));
+                    fmt::format("the models of this process have more than {} {}; divide them", 1U << bits, names));
     return number;
 }
 
@@ -116,9 +116,12 @@ uint64_t fitting(uint32_t number, int bits) {
 
 Channel::Channel(Of of, std::string_view owner, std::string_view quantity, std::string_view axis, std::string_view unit,
                  bool by_default)
-    : owner_(fitting(owners().keep(owner), kTextBits) & kText),
-      quantity_(fitting(quantities().keep(quantity), kTextBits) & kText),
-      form_(fitting(forms().keep(SeenForm{axis, unit, of, by_default}), kFormBits) & kForm) {}
+    // Masked for the compiler, which does not know that they fit
+    : owner_(checked(owners().keep(owner), kTextBits, "names of elements, joints, bodies, markers and nodes") & kText),
+      quantity_(checked(quantities().keep(quantity), kTextBits, "quantities of channels") & kText),
+      form_(checked(forms().keep(FormKey{axis, unit, of, by_default}), kFormBits, "axes and units of channels") & kForm) {
+    static_assert(sizeof(Channel) == 8);
+}
 
 Channel::Of Channel::of() const { return forms()[form_].of; }
 bool Channel::by_default() const { return forms()[form_].by_default; }
@@ -127,7 +130,7 @@ const std::string& Channel::quantity() const { return quantities()[quantity_]; }
 const std::string& Channel::axis() const { return forms()[form_].axis; }
 const std::string& Channel::unit() const { return forms()[form_].unit; }
 
-bool Channel::have_twins(std::vector<Channel> channels) {
+bool Channel::have_duplicates(std::vector<Channel> channels) {
     const auto texts = [](const Channel& c) { return std::pair<uint64_t, uint64_t>(c.owner_, c.quantity_); };
     const auto rest = [](const Channel& c) {
         const Form& form = forms()[c.form_];

@@ -16,7 +16,8 @@ public:
     enum class Of : unsigned char { nothing, element, joint, body, marker, node, energy };
 
     /// quantity: may hold dots; axis: may be empty; unit: of the SI value, "1" for a pure number; by_default: recorded when
-    /// the user asks for nothing in particular. Throws Error(resource_limit) for the 2^24th owner or quantity.
+    /// the user asks for nothing in particular. Throws Error(resource_limit) where the models of this process have more than
+    /// 2^24 owners or quantities, or 2^16 combinations of axis, unit, kind of owner and default: none is ever forgotten.
     Channel(Of of, std::string_view owner, std::string_view quantity, std::string_view axis, std::string_view unit,
             bool by_default = true);
     /// It belongs to nothing and has a name only, as "time" has.
@@ -36,8 +37,8 @@ public:
     std::string name_in_owner() const;
     /// Owner and quantity: what its axes have in common.
     std::string without_axis() const;
-    /// Whether two of them belong to the same and have the same name.
-    static bool have_twins(std::vector<Channel> channels);
+    /// Whether two channels have the same kind of owner, owner, quantity and axis.
+    static bool have_duplicates(std::vector<Channel> channels);
 
 private:
     static constexpr int kTextBits = 24, kFormBits = 16;

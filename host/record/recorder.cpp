@@ -29,10 +29,12 @@ float to_float(double value) {
 
 }  // namespace
 
-Recorder::Recorder(std::span<const Channel> all, Counts counts) : channels_(all) { find_counted(counts); }
+Recorder::Recorder(std::span<const Channel> all, HasStatistics has_statistics) : channels_(all) {
+    find_counted(has_statistics);
+}
 
 Recorder::Recorder(const ResultsFolder& folder, std::span<const Channel> all, std::vector<int> selection,
-                   const Attributes& attributes, Rows rows, Counts counts)
+                   const Attributes& attributes, Rows rows, HasStatistics has_statistics)
     : channels_(all), selection_(std::move(selection)) {
     std::vector<Column> picked = pick(channels_, selection_);
     check_columns(picked);
@@ -42,20 +44,20 @@ Recorder::Recorder(const ResultsFolder& folder, std::span<const Channel> all, st
             picked.push_back({picked[i].name + ".error", picked[i].unit});
     selected_values_.resize(picked.size());
     hdf5_.emplace(folder.file("history.h5"), picked, attributes);
-    find_counted(counts);  // last: HDF5 writes the attributes with several copies of them
+    find_counted(has_statistics);  // last: HDF5 writes the attributes with several copies of them
 }
 
-void Recorder::find_counted(Counts counts) {
-    const auto swings = [&](int c) {
+void Recorder::find_counted(HasStatistics has_statistics) {
+    const auto alternates = [&](int c) {
         const Channel& channel = channels_[as_size(c)];
         return (channel.unit() == "N" || channel.unit() == "m/s^2") && channel.by_default();
     };
-    counted_.reserve(as_size(std::ranges::count_if(channels_, counts)));
+    counted_.reserve(as_size(std::ranges::count_if(channels_, has_statistics)));
     for (int c = 0; c < as_int(channels_.size()); ++c)
-        if (counts(channels_[as_size(c)])) counted_.push_back(c);
-    swings_.reserve(as_size(std::ranges::count_if(counted_, swings)));
+        if (has_statistics(channels_[as_size(c)])) counted_.push_back(c);
+    alternations_.reserve(as_size(std::ranges::count_if(counted_, alternates)));
     for (int i = 0; i < as_int(counted_.size()); ++i)
-        if (swings(counted_[as_size(i)])) swings_.push_back({i});
+        if (alternates(counted_[as_size(i)])) alternations_.push_back({i});
     for (const int channel : selection_) selected_counted_.push_back(find_statistics(channel));
     statistics_ = Statistics(as_row(counted_.size()));
 }
@@ -67,9 +69,9 @@ int Recorder::find_statistics(int channel) const {
 }
 
 /// Those among the counted channels first … end − 1.
-std::span<Recorder::Swing> Recorder::swings(int first, int end) {
-    const auto begin = std::ranges::lower_bound(swings_, first, {}, &Swing::counted);
-    return {begin, std::ranges::lower_bound(begin, swings_.end(), end, {}, &Swing::counted)};
+std::span<Recorder::Alternation> Recorder::alternations(int first, int end) {
+    const auto begin = std::ranges::lower_bound(alternations_, first, {}, &Alternation::counted);
+    return {begin, std::ranges::lower_bound(begin, alternations_.end(), end, {}, &Alternation::counted)};
 }
 
 void Recorder::close_row(std::span<const double> values) {
@@ -113,12 +115,7 @@ void Recorder::adopt_unselected(const Recorder& other) {
         if (std::ranges::binary_search(selection_, counted_[as_size(i)])) continue;
         for (const auto kind : {&Statistics::peak_time, &Statistics::minimum, &Statistics::maximum, &Statistics::final})
             (statistics_.*kind)[i] = (other.statistics_.*kind)[i];
-        for (Swing& swing : swings(i, i + 1)) {
-            const Swing& others = other.swings_[as_size(&swing - swings_.data())];
-            swing.ripple = others.ripple;
-            swing.ripple_time = others.ripple_time;
-            swing.bend = others.bend;
-        }
+        for (Alternation& one : alternations(i, i + 1)) one = other.alternations_[as_size(&one - alternations_.data())];
     }
 }
 
@@ -136,42 +133,38 @@ ChannelStatistics Recorder::statistics(int channel) const {
         throw Error(ExitCode::internal_error,
                     fmt::format("channel \"{}\" has no statistics; this is a fault of dttmm, please report it",
                                 channels_[as_size(channel)].name()));
-    const auto swing = std::ranges::lower_bound(swings_, i, {}, &Swing::counted);
-    const bool is_swing = swing != swings_.end() && swing->counted == i;
+    const auto one = std::ranges::lower_bound(alternations_, i, {}, &Alternation::counted);
+    const bool is_followed = one != alternations_.end() && one->counted == i;
     return {std::max(std::abs(s.minimum[i]), std::abs(s.maximum[i])),
             s.peak_time[i],
             s.minimum[i],
             s.maximum[i],
             s.final[i],
-            is_swing ? swing->ripple : 0,
-            is_swing ? swing->ripple_time : 0,
-            is_swing ? swing->alternation : 0,
-            is_swing ? swing->bend : 0};
+            is_followed ? one->ripple : 0,
+            is_followed ? one->mean : 0,
+            is_followed ? one->bend : 0};
 }
 
-/// What the value of a force or acceleration does to its ripple and bend, before it is in the statistics.
-void Recorder::count_swing(Swing& swing, double value, double time) const {
-    const double before = rows_ == 0 ? value : statistics_.final[swing.counted];
-    const double peak = std::max(-statistics_.minimum[swing.counted], statistics_.maximum[swing.counted]);
+/// What a value does to the ripple and bend of its channel, before it is in the statistics.
+void Recorder::count_alternation(Alternation& one, double value) const {
+    const double before = rows_ == 0 ? value : statistics_.final[one.counted];
+    const double peak = std::max(-statistics_.minimum[one.counted], statistics_.maximum[one.counted]);
     if (rows_ >= 2 && std::abs(before) == peak)
-        swing.bend = to_float(std::abs(value - before - static_cast<double>(swing.change)));
-    if (std::abs(value) > peak) swing.bend = 0;
+        one.bend = to_float(std::abs(value - before - static_cast<double>(one.change)));
+    if (std::abs(value) > peak) one.bend = 0;
     constexpr float kRows = 10;  // to look back
     // The smaller of the last two changes where they are opposite, else 0
-    const auto now = to_float(value - before);
-    const float opposite = std::max({std::min(now, -swing.change), std::min(-now, swing.change), 0.0F});
-    swing.alternation += (0.5F * opposite - swing.alternation) * (1 / kRows);
-    if (swing.alternation > swing.ripple) {
-        swing.ripple = swing.alternation;
-        swing.ripple_time = to_float(time);
-    }
-    swing.change = now;
+    const float change = to_float(value - before);
+    const float opposite = std::max({std::min(change, -one.change), std::min(-change, one.change), 0.0F});
+    one.mean += (0.5F * opposite - one.mean) * (1 / kRows);
+    one.ripple = std::max(one.ripple, one.mean);
+    one.change = change;
 }
 
 /// What the values of the counted channels first … end − 1 do to the statistics.
 template <class ValueOf>
 void Recorder::count(int first, int end, const ValueOf& value_of, double time) {
-    for (Swing& swing : swings(first, end)) count_swing(swing, value_of(swing.counted), time);
+    for (Alternation& one : alternations(first, end)) count_alternation(one, value_of(one.counted));
     double *__restrict value = statistics_.final.data(), *__restrict peak_time = statistics_.peak_time.data(),
            *__restrict minimum = statistics_.minimum.data(), *__restrict maximum = statistics_.maximum.data();
     for (int i = first; i < end; ++i) value[i] = value_of(i);

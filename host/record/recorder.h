@@ -25,31 +25,30 @@ struct ChannelStatistics {
     /// Largest amplitude at which it alternated from row to row, as a mean over some ten rows: a vibration near half the
     /// rate of rows.
     double ripple = 0;
-    double ripple_time = 0;   ///< when it did [s]
     double ripple_final = 0;  ///< the same at the end
     /// Second difference of the rows at the peak; zero if that is the first row or the last. A vibration whose peak stands
     /// there is larger between rows by up to an eighth of it.
     double bend = 0;
 };
 
-/// Takes one row of numbers per output time: the selected channels go to history.csv and history.h5, and the channels that
-/// count, selected or not, to their statistics. Or takes rows of the selected channels alone, and perhaps an estimate of the
-/// error of each value: history.h5 then has a second dataset for every channel but the time, `<channel>.error`, of the same
-/// unit. Nothing is allocated per row. Destroyed without finish(), it leaves history.csv with all rows closed so far and no
-/// history.h5.
+/// Takes one row of numbers per output time: the selected channels go to history.csv and history.h5, and of some
+/// channels, selected or not, statistics are kept. Or takes rows of the selected channels alone, and perhaps an estimate of
+/// the error of each value: history.h5 then has a second dataset for every channel but the time, `<channel>.error`, of the
+/// same unit. Nothing is allocated per row. Destroyed without finish(), it leaves history.csv with all rows closed so far
+/// and no history.h5.
 class Recorder {
 public:
     enum class Rows : unsigned char { plain, estimated };
     /// Whether a channel has statistics.
-    using Counts = bool (*)(const Channel&);
-    static bool every_channel(const Channel&) { return true; }
+    using HasStatistics = bool (*)(const Channel&);
+    static bool of_every_channel(const Channel&) { return true; }
 
     /// all: outlive the recorder; selection: indices into them as select_channels gives them; rows: which of the two ways
     /// they come. Throws Error(input_output), or Error(internal_error) for selected channels that check_columns refuses.
     Recorder(const ResultsFolder& folder, std::span<const Channel> all, std::vector<int> selection,
-             const Attributes& attributes, Rows rows = Rows::plain, Counts counts = every_channel);
+             const Attributes& attributes, Rows rows = Rows::plain, HasStatistics has_statistics = of_every_channel);
     /// Statistics only: nothing is written.
-    explicit Recorder(std::span<const Channel> all, Counts counts = every_channel);
+    explicit Recorder(std::span<const Channel> all, HasStatistics has_statistics = of_every_channel);
 
     /// values: one per channel of `all`; the first is the time [s]. Throws Error(internal_error) that names a channel whose
     /// value is not finite; the row is then neither written nor counted. Throws Error(input_output) when it cannot be
@@ -58,19 +57,19 @@ public:
     /// A row of the selected channels, the time among them, and for estimated rows as many errors, else none. Throws as
     /// close_row does.
     void close_selected_row(std::span<const double> values, std::span<const double> errors);
-    /// The statistics of all channels that are not selected, from a recorder in which the same channels count.
+    /// The statistics of all channels that are not selected, from a recorder that keeps those of the same channels.
     void adopt_unselected(const Recorder& other);
     /// Brings history.csv to the disk and publishes history.h5; the last call. Throws Error(input_output).
     void finish();
 
     std::span<const Channel> channels() const { return channels_; }
-    /// channel: index into channels(). Throws Error(internal_error) for one that does not count.
+    /// channel: index into channels(). Throws Error(internal_error) for one of which none are kept.
     ChannelStatistics statistics(int channel) const;
     /// Number of rows closed.
     long rows() const { return rows_; }
 
 private:
-    /// One kind of number of all channels that count stands together, so that a row is counted several at a time.
+    /// One kind of number of all these channels stands together, so that a row is counted several at a time.
     struct Statistics {
         Statistics() = default;
         explicit Statistics(Eigen::Index count) {
@@ -79,29 +78,29 @@ private:
         Eigen::ArrayXd peak_time, minimum, maximum, final;
     };
     /// More of a force or acceleration. Seven digits are enough for what a warning compares with a share of the peak.
-    struct Swing {
+    struct Alternation {
         int counted;  ///< index into counted_
-        float ripple = 0, ripple_time = 0, bend = 0;
-        float change = 0;       ///< in the last row
-        float alternation = 0;  ///< mean amplitude at which the last rows alternated
+        float ripple = 0, bend = 0;
+        float change = 0;  ///< in the last row
+        float mean = 0;    ///< mean amplitude at which the last rows alternated
     };
 
     void check_finite(int channel, double value, double time) const;
-    void find_counted(Counts counts);
+    void find_counted(HasStatistics has_statistics);
     int find_statistics(int channel) const;
-    std::span<Swing> swings(int first, int end);
-    void count_swing(Swing& swing, double value, double time) const;
+    std::span<Alternation> alternations(int first, int end);
+    void count_alternation(Alternation& one, double value) const;
     template <class ValueOf>
     void count(int first, int end, const ValueOf& value_of, double time);
 
     std::span<const Channel> channels_;
     std::vector<int> counted_;  ///< the channels that have statistics, ascending
     Statistics statistics_;
-    std::vector<Swing> swings_;  ///< in the order of counted_
+    std::vector<Alternation> alternations_;  ///< in the order of counted_
     long rows_ = 0;
 
     std::vector<int> selection_;
-    std::vector<int> selected_counted_;    ///< index into counted_ of each; −1: it does not count
+    std::vector<int> selected_counted_;    ///< index into counted_ of each; −1: it has none
     std::vector<double> selected_values_;  ///< of a row, then their errors
     std::optional<CsvWriter> csv_;
     std::optional<Hdf5Writer> hdf5_;

@@ -69,7 +69,8 @@ std::string listed_formats() {
 std::vector<const Format*> chosen_formats(const Request& request) {
     std::vector<const Format*> chosen;
     for (const Format& format : kFormats)
-        if (std::ranges::find(request.formats, format.name) != request.formats.end()) chosen.push_back(&format);
+        if (std::ranges::find(request.pictures.formats, format.name) != request.pictures.formats.end())
+            chosen.push_back(&format);
     if (chosen.empty()) throw Error(ExitCode::usage, fmt::format("say which format: one or more of {}", listed_formats()));
     for (std::size_t i = 1; i < chosen.size(); ++i)
         if (std::string_view(chosen[i]->ending) == chosen[i - 1]->ending)
@@ -77,7 +78,7 @@ std::vector<const Format*> chosen_formats(const Request& request) {
                                                      chosen[i - 1]->name, chosen[i]->name, chosen[i]->ending));
     if (request.output && chosen.size() > 1)
         throw Error(ExitCode::usage, "-o names one file: give it with one format, or leave it out");
-    if (!request.channels.empty() && std::ranges::none_of(chosen, &Format::has_channels))
+    if (!request.spectrum.channels.empty() && std::ranges::none_of(chosen, &Format::has_channels))
         throw Error(ExitCode::usage, "--channels chooses the curves of --mat and --uff58; other formats have none");
     return chosen;
 }
@@ -117,7 +118,7 @@ void choose_curves(std::vector<CurveSet>& sets, const std::vector<std::string>& 
 
 void write_all(const Request& request, const std::vector<const Format*>& formats, const std::vector<fs::path>& paths) {
     Results results = read_results(request.words.front());
-    choose_curves(results.sets, split_at_commas(request.channels));
+    choose_curves(results.sets, split_at_commas(request.spectrum.channels));
     for (std::size_t i = 0; i < formats.size(); ++i) {
         const std::string what = formats[i]->write(results, from_start(paths[i]));
         if (request.quiet) continue;

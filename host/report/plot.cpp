@@ -120,9 +120,9 @@ ExitCode plot_curves(const Request& request) {
                     fmt::format("{}: the picture is SVG or PNG; give a name that ends with .svg or .png", path.string()));
     const Words words = split_words(request.words);
     const std::vector<CurveSet> sets = read_sets(words.results);
-    const std::vector<Chart> charts = make_charts(sets, choose_names(sets, words.patterns), request.is_logarithmic);
+    const std::vector<Chart> charts = make_charts(sets, choose_names(sets, words.patterns), request.response.is_logarithmic);
     const std::string title = fmt::format("{} of {}", fmt::join(words.patterns, ", "), fmt::join(words.results, ", "));
-    if (request.is_text) {
+    if (request.pictures.is_text) {
         const auto [columns, rows] = terminal_size();
         fmt::print("{}", draw_text(charts, columns, rows));
         return ExitCode::ok;

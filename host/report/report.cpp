@@ -58,11 +58,11 @@ ExitCode make_report(const Request& request) {
     const fs::path path = request.output ? *request.output : path_beside(request.words.front(), ".html");
     refuse_foreign(from_start(path));
     ReportChoice choice;
-    choice.patterns = split_at_commas(request.channels);
-    if (request.points > 0) choice.most_points = static_cast<std::size_t>(request.points);
+    choice.patterns = split_at_commas(request.spectrum.channels);
+    if (request.response.points > 0) choice.most_points = static_cast<std::size_t>(request.response.points);
     Json results = Json::array();
     for (const std::string& words : request.words) results.push_back(describe_results(words, choice));
-    const bool has_machine = !request.is_flat && std::ranges::any_of(results, has_bodies_or_nodes);
+    const bool has_machine = !request.pictures.is_flat && std::ranges::any_of(results, has_bodies_or_nodes);
     const std::string title = title_of(results);
     const Json data = {{"program", "dttmm " DTTMM_VERSION},
                        {"command_line", request.command_line},

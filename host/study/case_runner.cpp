@@ -43,7 +43,7 @@ struct Found {
 
 Found run_history(const Request& request, const StudyPlan& plan, const std::optional<std::filesystem::path>& kept) {
     Session session(request);
-    session.refuse_unstable(request.force);
+    session.refuse_unstable(request.run.force);
     std::optional<std::vector<int>> selection;
     if (session.halving) selection = session.selection;
     HistoryFigures figures(plan.figures, session.simulation.channels(), selection);
@@ -80,7 +80,7 @@ Found find_frequencies(const Request& request, const Plugins& plugins, const std
     Found found;
     for (const ModalInstance::Mode& mode : modes)
         found.add(fmt::format("mode{}.frequency", found.values.size() + 1), "Hz", mode.numbers.frequency);
-    if (request.is_damped && !modes.empty()) {
+    if (request.modes.is_damped && !modes.empty()) {
         constexpr double kBeyond = 1.02;  // a damped frequency may lie above the undamped one
         const double below = session.model.modes.below.value_or(kBeyond * modes.back().numbers.frequency);
         size_t number = 0;

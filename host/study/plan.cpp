@@ -31,7 +31,7 @@ struct Varied {
 
 std::vector<Varied> find_varied(const Request& request, const Model& model) {
     std::vector<Varied> varied;
-    for (const std::string& text : request.variations) {
+    for (const std::string& text : request.study.variations) {
         const Variation variation = parse_variation(text, model.parameters);
         for (const std::string& name : variation.names) {
             if (std::ranges::find(varied, name, &Varied::name) != varied.end())
@@ -60,7 +60,7 @@ std::pair<std::string, double> split_correlation(const std::string& text) {
 
 Eigen::MatrixXd read_correlations(const Request& request, const Model& model, const std::vector<Varied>& varied) {
     Eigen::MatrixXd all = Eigen::MatrixXd::Identity(as_row(varied.size()), as_row(varied.size()));
-    for (const std::string& text : request.correlations) {
+    for (const std::string& text : request.study.correlations) {
         const auto [names, value] = split_correlation(text);
         std::vector<Eigen::Index> places;
         for (const std::string& name : parameter_names(names, model.parameters, "--correlate " + quote(text))) {
@@ -110,30 +110,30 @@ CaseTable draw_cases(const Request& request, const Model& model) {
     const std::vector<Varied> varied = find_varied(request, model);
     CaseTable table;
     for (const Varied& one : varied) table.parameters.push_back({one.name, parameter_called(one.name, model).unit});
-    const Design design = request.design.empty() ? Design::latin : parse_design(request.design);
+    const Design design = request.study.design.empty() ? Design::latin : parse_design(request.study.design);
     if (design == Design::single) {
-        if (request.cases > 0 || !request.correlations.empty())
+        if (request.study.cases > 0 || !request.study.correlations.empty())
             throw Error(ExitCode::usage,
                         "--design one-at-a-time has its own number of cases and no correlation: leave --cases "
                         "and --correlate out");
         table.values = one_at_a_time(varied, model);
         return table;
     }
-    if (request.cases == 0) throw Error(ExitCode::usage, "how many cases? --vary wants --cases, e.g. --cases 1000");
+    if (request.study.cases == 0) throw Error(ExitCode::usage, "how many cases? --vary wants --cases, e.g. --cases 1000");
     const Eigen::Index block = block_size(design, as_row(varied.size()));
-    if (block > 1 && !request.correlations.empty())
+    if (block > 1 && !request.study.correlations.empty())
         throw Error(ExitCode::usage, fmt::format("--correlate: the design {} is of parameters that are independent of each "
                                                  "other",
-                                                 request.design));
-    if (block > 1 && request.cases < 10 * block)
+                                                 request.study.design));
+    if (block > 1 && request.study.cases < 10 * block)
         throw Error(ExitCode::usage,
                     fmt::format("--cases {}: the design {} of {} takes {} cases at least, ten blocks of {}; "
                                 "some hundred blocks tell more",
-                                request.cases, request.design, counted(varied.size(), "parameter", "parameters"), 10 * block,
-                                block));
-    Eigen::MatrixXd u =
-        make_probabilities(design, request.cases, as_row(varied.size()), static_cast<std::uint64_t>(request.seed));
-    if (!request.correlations.empty()) correlate(u, read_correlations(request, model, varied));
+                                request.study.cases, request.study.design, counted(varied.size(), "parameter", "parameters"),
+                                10 * block, block));
+    Eigen::MatrixXd u = make_probabilities(design, request.study.cases, as_row(varied.size()),
+                                           static_cast<std::uint64_t>(request.study.seed));
+    if (!request.study.correlations.empty()) correlate(u, read_correlations(request, model, varied));
     table.values.resize(u.rows(), u.cols());
     for (Eigen::Index p = 0; p < u.cols(); ++p)
         for (Eigen::Index i = 0; i < u.rows(); ++i) table.values(i, p) = varied[as_size(p)].distribution.quantile(u(i, p));
@@ -177,17 +177,18 @@ void refuse_strange_options(const Request& request, const std::string& command) 
 }  // namespace
 
 CaseTable make_cases(const Request& request, const Model& model) {
-    const int ways = !request.variations.empty() + !request.sweeps.empty() + !request.table.empty();
+    const int ways = !request.study.variations.empty() + !request.sweeps.empty() + !request.study.table.empty();
     if (ways == 0)
         throw Error(ExitCode::usage,
                     "nothing varies: give --vary \"k1..k4 ~ normal(500 N/mm, 10 %)\" with --cases, --sweep "
                     "k1=300N/mm..500N/mm:9 or --table cases.csv");
     if (ways > 1) throw Error(ExitCode::usage, "--vary, --sweep and --table exclude each other: give one of them");
-    if (request.variations.empty() && (request.cases > 0 || !request.design.empty() || !request.correlations.empty()))
+    if (request.study.variations.empty() &&
+        (request.study.cases > 0 || !request.study.design.empty() || !request.study.correlations.empty()))
         throw Error(ExitCode::usage, "--cases, --design and --correlate go with --vary only");
-    CaseTable table = !request.variations.empty() ? draw_cases(request, model)
-                      : !request.sweeps.empty()   ? grid_cases(request, model)
-                                                  : read_case_table(request.table, model.parameters);
+    CaseTable table = !request.study.variations.empty() ? draw_cases(request, model)
+                      : !request.sweeps.empty()         ? grid_cases(request, model)
+                                                        : read_case_table(request.study.table, model.parameters);
     for (Column& column : table.parameters) {
         if (column.unit.empty()) column.unit = "1";
         if (column.name == "case" || column.name == "status" || column.name == "warnings")
@@ -202,21 +203,21 @@ CaseTable make_cases(const Request& request, const Model& model) {
 
 StudyPlan make_plan(const Request& request, const Model& model, const Plugins& plugins) {
     StudyPlan plan;
-    plan.command = request.work.empty() ? "run" : request.work;
+    plan.command = request.study.work.empty() ? "run" : request.study.work;
     refuse_strange_options(request, plan.command);
     plan.request = request;
-    plan.figures = request.figures;
+    plan.figures = request.study.figures;
     plan.parameters = model.parameters;
-    plan.keeps = request.keeps;
+    plan.keeps = request.study.keeps;
     if (plan.keeps && plan.command == "modes")
         throw Error(ExitCode::usage,
                     "--keep: a study of modes keeps no results of its cases; run the case of interest with "
                     "dttmm modes and --set");
-    plan.limit = request.limit.empty() ? 0 : parse_quantity(request.limit, "s");
-    if (!request.limit.empty() && !(plan.limit >= 0.001 && plan.limit <= 1e8))
-        throw Error(ExitCode::usage, fmt::format("--limit {}: it must be 1 ms to 1e8 s", quote(request.limit)));
+    plan.limit = request.study.limit.empty() ? 0 : parse_quantity(request.study.limit, "s");
+    if (!request.study.limit.empty() && !(plan.limit >= 0.001 && plan.limit <= 1e8))
+        throw Error(ExitCode::usage, fmt::format("--limit {}: it must be 1 ms to 1e8 s", quote(request.study.limit)));
     plan.cases = make_cases(request, model);
-    if (!request.variations.empty()) plan.design = request.design.empty() ? "latin" : request.design;
+    if (!request.study.variations.empty()) plan.design = request.study.design.empty() ? "latin" : request.study.design;
     plan.columns = find_figures(plan, plugins);
     if (plan.columns.empty())
         throw Error(ExitCode::usage, "the cases have no figures: ask for some with --figures, e.g. \"*.position.z:peak\"");

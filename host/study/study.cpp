@@ -55,8 +55,8 @@ ExitCode work_here(const Request& request, const StudyFolder& study, const std::
 }
 
 ExitCode work_somewhere(const Request& request, const StudyFolder& study, const std::vector<size_t>& cases) {
-    if (request.engine.empty() || cases.empty()) return work_here(request, study, cases);
-    const Engine engine = parse_engine(request.engine);
+    if (request.study.engine.empty() || cases.empty()) return work_here(request, study, cases);
+    const Engine engine = parse_engine(request.study.engine);
     if (engine.kind == Engine::Kind::parallel) {
         run_by_parallel(study, cases, engine.options, request.jobs);
         return conclude_study(request, study);
@@ -95,14 +95,14 @@ Request completed(const Request& request) {
     trial.overrides.purpose = Purpose::modes;  // wants least
     const Plugins plugins(trial.plugins);
     Request whole = with_file(request, read_model(trial.model, plugins.catalogue(), trial.overrides));
-    if (whole.work == "modes" || whole.work == "response") whole.overrides.purpose = Purpose::modes;
+    if (whole.study.work == "modes" || whole.study.work == "response") whole.overrides.purpose = Purpose::modes;
     return whole;
 }
 
 ExitCode start_study(const Request& request) {
     if (request.model == "-")
         throw Error(ExitCode::usage, "a study keeps a copy of its model: give a file instead of the standard input");
-    if (!request.engine.empty()) parse_engine(request.engine);  // a wrong word shows before anything is made
+    if (!request.study.engine.empty()) parse_engine(request.study.engine);  // a wrong word shows before anything is made
     const Request own = completed(request);
     const Plugins plugins(own.plugins);
     const Model model = read_model(own.model, plugins.catalogue(), own.overrides);

@@ -15,8 +15,9 @@
  * the lever arms of the instant at which its forces act: where forces of several instants make up a wrench, each has its
  * own. At every instant they must balance, or angular momentum is lost.
  * - Matrices over the bodies are lists of 6x6 blocks, those that the instance declares (blocks).
- * - Memory: whoever calls owns every buffer it passes; what a plugin returns by pointer lives as long as the instance or,
- *   for tables and what they point to, as long as the library stays loaded. No allocated memory crosses.
+ * - Memory: whoever calls owns every buffer it passes; what a plugin returns by pointer lives as long as the instance,
+ * unless its comment says less, or, for tables and what they point to, as long as the library stays loaded. No allocated
+ * memory crosses.
  * - Errors: every function that can fail returns a dttmm_status; on anything but DTTMM_OK it has filled
  *   *error (which the caller owns and which is never NULL) and the instance is as before the call. No exception crosses.
  * - Threads: one thread at a time per instance; different instances may be used by different threads. No statics.
@@ -322,7 +323,8 @@ typedef struct dttmm_plugin {
     /* Named results. The values stand at the start t_n of the step last committed, the latest instant whose centred
      * velocity is known. An element's force is positive when its `to` end is displaced in the positive direction relative
      * to `from`, in the axes of the `from` end. The host reads the list once: the plugin may drop it, with its texts, when
-     * it starts. [channel_count: after create; channels: after create, before start; outputs: after a commit] */
+     * it has started, and returns NULL then. [channel_count: after create; channels: after create, before start; outputs:
+     * after a commit] */
     uint32_t (*channel_count)(const dttmm_instance* instance);
     const dttmm_channel* (*channels)(const dttmm_instance* instance);
     dttmm_status (*outputs)(const dttmm_instance* instance, double* values, dttmm_error* error);

@@ -268,13 +268,13 @@ void Machine::take_up(const double* motion, double* elastic, double* damped) con
 }
 
 void Machine::start(const dttmm_step& step, const dttmm_motion* bodies, const double* accelerations, const double* loads) {
-    forget_channels();
     supports_.start();
     const dttmm_motion* const all = joined_->with_supports(bodies, &Supports::write_start);
     std::vector<double> of_supports(6 * supports_.count());
     supports_.write_accelerations(of_supports.data());
     const double* const a = joined_->with_supports(accelerations, of_supports.data());
     for_each(*this, [&](Part& part) { part.network.start(step, all, a, gather_loads(part, loads)); });
+    forget_channels();
 }
 
 void Machine::begin_step(const dttmm_step& step, const double* loads) {
@@ -436,10 +436,10 @@ AtRest Machine::at_rest() const {
 }
 
 void Machine::start_at_rest(const dttmm_step& step, const dttmm_motion* bodies, const double* loads) {
-    forget_channels();
     supports_.start_at_rest();
     const dttmm_motion* const all = joined_->with_supports(bodies, &Supports::write_start);
     for_each(*this, [&](Part& part) { part.network.start_at_rest(step, all, gather_loads(part, loads)); });
+    forget_channels();
 }
 
 // ---- State and results --------------------------------------------------------------------------------------------------

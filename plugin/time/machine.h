@@ -61,7 +61,7 @@ public:
     static void centre(Machine& above, Machine& below, const Machine& middle);
 
     size_t channel_count() const { return channel_count_; }
-    /// Empty from the first start on: a long beam has 10^5.
+    /// Empty once it has started: a long beam has 10^5.
     const std::vector<dttmm_channel>& channels() const { return channels_; }
     void outputs(double* values) const;
     /// Elements that bend; where points of them are: see dttmm_shape.h.

@@ -42,9 +42,10 @@ public:
     void place(size_t piece, size_t at) { piece_places_[piece] = at; }
     /// Where another has them; their names stay.
     void forget_channels() { std::vector<dttmm_channel>().swap(channels_); }
+    /// Frees the texts that the channels point to: nobody may read a channel afterwards.
     void forget_names() { names_.reset(); }
     void write(const Instant& instant, double* values) const;
-    /// Whether write() needs the nodes of the assembly.
+    /// Whether write() or write_lines() needs the nodes of the assembly.
     bool shows_nodes() const { return !nodes_.empty() || !reactions_.empty() || !chains_.empty(); }
 
     /// Its elements of several joints, which bend between their ends.

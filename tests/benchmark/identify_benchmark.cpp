@@ -61,7 +61,7 @@ public:
     explicit PlateTest(const fs::path& folder) : plugins_(std::vector<std::string>()) {
         request_.model = folder / "plate.toml";
         std::ofstream(request_.model) << plate();
-        request_.free = {"k1..k4"};
+        request_.fit.free = {"k1..k4"};
         ModelOverrides overrides;
         overrides.purpose = Purpose::modes;
         model_ = read_model(request_.model, plugins_.catalogue(), overrides);

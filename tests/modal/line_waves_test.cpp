@@ -245,6 +245,17 @@ TEST(LineWaves, PiecesHeldAtTheirEndsStaySilent) {
     EXPECT_EQ(waves.pieces(1e9, 50), 51) << "more than asked for";
 }
 
+// Oracle: of a bar held at both ends ∫ G μ ds = μ l²/(6 EA), so that one piece is enough up to half of 6 EA/(μ l²).
+TEST(LineWaves, PiecesOfABarAreThoseOfItsBound) {
+    const Line line = euler();
+    const LineWaves waves(line, kLength, Directions("000001"));
+    const double most = std::sqrt(3 * line.section.EA / line.section.mass) / kLength;
+    EXPECT_EQ(waves.pieces(most * (1 - 1e-9), 100), 1);
+    EXPECT_EQ(waves.pieces(most * (1 + 1e-9), 100), 2);
+    EXPECT_EQ(waves.pieces(3 * most * (1 - 1e-9), 100), 3);
+    EXPECT_EQ(waves.pieces(3 * most * (1 + 1e-9), 100), 4);
+}
+
 // Oracle: D of a piece that does not vibrate with its ends held has no more negative eigenvalues than a massless one, which
 // has none, once what it moves is held: its inverse exists all the way up, D stays finite and −∂D/∂λ positive definite.
 TEST(LineWaves, PiecesOfABeamWithAllCouplingsStaySilent) {

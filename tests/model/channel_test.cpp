@@ -71,5 +71,24 @@ TEST(Channel, KindsDifferInAnything) {
     EXPECT_EQ(all(first), all(Channel(Of::element, "b", "force", "x", "N")));
 }
 
+// Of one name are those that differ in what is no part of it: unit and default.
+TEST(Channel, DuplicatesAreThoseOfOneName) {
+    const Channel first(Of::element, "a", "force", "x", "N");
+    const std::vector<Channel> others = {{Of::node, "a", "force", "x", "N"},
+                                         {Of::element, "b", "force", "x", "N"},
+                                         {Of::element, "a", "moment", "x", "N"},
+                                         {Of::element, "a", "force", "y", "N"}};
+    std::vector<Channel> all = others;
+    all.push_back(first);
+    EXPECT_FALSE(Channel::have_duplicates(all));
+    EXPECT_FALSE(Channel::have_duplicates({}));
+    for (const Channel& same :
+         {first, Channel(Of::element, "a", "force", "x", "kN"), Channel(Of::element, "a", "force", "x", "N", false)}) {
+        std::vector<Channel> more = all;
+        more.insert(more.begin() + 2, same);
+        EXPECT_TRUE(Channel::have_duplicates(more)) << same.unit();
+    }
+}
+
 }  // namespace
 }  // namespace dttmm::host

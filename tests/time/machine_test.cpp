@@ -126,6 +126,7 @@ TEST(Machine, EqualsItsElementsAsOneNetwork) {
     machine.start({0, 0, kMachineStep}, at.data(), accelerations.data(), loads.data());
     whole.start({0, 0, kMachineStep}, at.data(), accelerations.data(), loads.data());
     EXPECT_EQ(machine.channel_count(), names.size());
+    EXPECT_TRUE(machine.channels().empty()) << "the host has read them";
     for (uint64_t n = 0; n < 12; ++n) {
         const Answer found = take_step(machine, network, n, machine.blocks().size()),
                      expected = take_step(whole, network, n, whole.blocks().list().size());

@@ -42,7 +42,8 @@ TEST(Channel, ThreadsShareTheTexts) {
             for (int i = 0; i < kOwners; ++i) {
                 const std::string shared = "bolt" + std::to_string(i), own = "own" + std::to_string(t) + shared;
                 made[t].emplace_back(Of::element, shared, "force", "x", "N");
-                made[t].emplace_back(Of::body, own, "quantity" + std::to_string(i % 100 + 100 * t), "", "1", false);
+                made[t].emplace_back(Of::body, own, "quantity" + std::to_string(i % 100 + 100 * static_cast<int>(t)), "",
+                                     "1", false);
                 for (const size_t back : {size_t{0}, made[t].size() / 2}) (void)made[t][back].name();
             }
         });

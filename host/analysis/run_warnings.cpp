@@ -126,6 +126,7 @@ struct Alternating {
     std::string_view owner;
     double peak = 0, ripple = 0, final = 0;
     double share() const { return ripple / peak; }
+    /// With numerical damping what dies falls by a share per step: a tenth is as good as a thousandth of it.
     bool lasts() const { return final > 0.1 * ripple; }
     std::string text(const char* unit) const {
         return fmt::format(
@@ -179,7 +180,7 @@ void warn_ripple(const Recorder& recorder, const Session& session, Warnings& war
                         worst->text("N"), step, or_numerical_damping(model)));
         return;
     }
-    if (!session.fast_loads.empty()) return;  // they shake it, and are told
+    if (!session.fast_loads.empty()) return;  // the cause, and another warning names it
     const auto accelerates = [](const Channel& c) { return c.quantity() == "acceleration" && c.by_default(); };
     constexpr double kUnseen = 0.02;  // m/s^2, two thousandths of g: what sensors on machines do not tell from noise
     const auto worst = find_worst(find_alternating(recorder, accelerates), kUnseen);

@@ -146,16 +146,16 @@ ChannelStatistics Recorder::statistics(int channel) const {
 }
 
 /// What a value does to the ripple and bend of its channel, before it is in the statistics.
-void Recorder::count_alternation(Alternation& one, double value) const {
-    const double before = rows_ == 0 ? value : statistics_.final[one.counted];
+inline void Recorder::count_alternation(Alternation& one, double value) const {
+    if (rows_ == 0) return;
+    const double before = statistics_.final[one.counted];
     const double peak = std::max(-statistics_.minimum[one.counted], statistics_.maximum[one.counted]);
-    if (rows_ >= 2 && std::abs(before) == peak)
-        one.bend = to_float(std::abs(value - before - static_cast<double>(one.change)));
+    const float change = to_float(value - before);
+    if (rows_ >= 2 && std::abs(before) == peak) one.bend = std::abs(change - one.change);
     if (std::abs(value) > peak) one.bend = 0;
     constexpr float kRows = 10;  // to look back
     // The smaller of the last two changes where they are opposite, else 0
-    const float change = to_float(value - before);
-    const float opposite = std::max({std::min(change, -one.change), std::min(-change, one.change), 0.0F});
+    const float opposite = change * one.change < 0 ? std::min(std::abs(change), std::abs(one.change)) : 0.0F;
     one.mean += (0.5F * opposite - one.mean) * (1 / kRows);
     one.ripple = std::max(one.ripple, one.mean);
     one.change = change;

@@ -286,14 +286,19 @@ force = {}
                             HasSubstr("a vibration of something light or stiff that the step of 0.001 s does not follow"),
                             HasSubstr("try a shorter step, or a spectral_radius of 0.9")));
     EXPECT_NEAR(std::stod(text.substr(text.find("step, by ") + 9)), 9.81, 0.08 * 9.81) << "a mean over ten rows";
-    // It is told in 0.028 m/s^2, and not in 0.011
+    // 0.028 m/s^2 has a warning, 0.011 has none
     EXPECT_THAT(complaint(-0.03, "", push), HasSubstr("\"mass\" alternates"));
     EXPECT_EQ(complaint(-0.012, "", push), "");
+    // The bolt's force alternates by 18.3 N: more than a tenth of 120 N, less than one of 260 N
+    EXPECT_THAT(complaint(-9.81, "", "{ type = \"haversine\", peak = 120, start = 0, width = 0.1 }"),
+                HasSubstr("the force of element \"bolt\" alternates"));
+    EXPECT_THAT(complaint(-9.81, "", "{ type = \"haversine\", peak = 260, start = 0, width = 0.1 }"),
+                HasSubstr("the acceleration of \"mass\" alternates"));
     // With the advice it dies out
     EXPECT_THAT(complaint(-9.81, "spectral_radius = 0.9", push),
                 testing::MatchesRegex("note: the acceleration of [^;]*; it has died out at the end\n"));
     EXPECT_EQ(complaint(-9.81, "start = \"equilibrium\"", push), "");
-    // A load faster than the step does the same: that is told
+    // A load faster than the step does the same: the warning names the load
     EXPECT_THAT(complaint(0, "", "{ type = \"sine\", amplitude = 100, frequency = 450 }", 1000),
                 AllOf(HasSubstr("load number 1 has a part at 450 Hz"), testing::Not(HasSubstr("the acceleration of"))));
 }

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "cli/modes_run.h"
@@ -122,6 +123,72 @@ force = {:.17g}
                                                                   {"--count", "1"}));
         ASSERT_EQ(found.size(), 1u);
         EXPECT_NEAR(found[0], exact, 1e-6 * exact) << load;
+    }
+}
+
+/// A line between pins, of beams of one segment, under a lasting force at its far end that presses it. A pulse pushes its
+/// nodes aside by the shape of the lowest mode, so that nothing else rings.
+struct Line {
+    int beams;
+    double length, EA, EI, mass, pressed;
+};
+
+std::string text_of(const Line& line, const std::string& simulation, double push, double width) {
+    std::string text = fmt::format("format = \"dttmm/1\"\n[simulation]\n{}\n[output]\nchannels = [\"n{}.position\"]\n[nodes]\n",
+                                   simulation, line.beams / 2);
+    const auto place = [&](int i) { return line.length * i / line.beams; };
+    for (int i = 0; i <= line.beams; ++i) {
+        const char* fixed = i == 0 ? R"(, fixed = ["x", "y", "z", "rz"])" : i == line.beams ? R"(, fixed = ["x", "y"])" : "";
+        text += fmt::format("n{} = {{ position = [0.1, 0.2, {:.17g}]{} }}\n", i, 0.3 + place(i), fixed);
+    }
+    for (int i = 0; i < line.beams; ++i)
+        text += fmt::format(R"([[element]]
+name = "b{0}"
+type = "beam"
+from = "n{0}"
+to = "n{1}"
+segments = 1
+theory = "euler-bernoulli"
+up = [0, 1, 0]
+section = {{ EA = {2:.17g}, EIy = {3:.17g}, EIz = {4:.17g}, GJ = 1e3, mass = {5:.17g}, inertia = 1e-8 }}
+)",
+                            i, i + 1, line.EA, 1.9 * line.EI, line.EI, line.mass);
+    text += fmt::format("[[load]]\non = \"n{}\"\ndirection = [0, 0, -1]\nforce = {:.17g}\n", line.beams, line.pressed);
+    for (int i = 1; i < line.beams; ++i)
+        text += fmt::format("[[load]]\non = \"n{}\"\ndirection = [1, 0, 0]\n"
+                            "force = {{ type = \"haversine\", peak = {:.17g}, start = 0, width = {:.17g} }}\n",
+                            i, push * std::sin(M_PI * i / line.beams), width);
+    return text;
+}
+
+// Oracle: P5 again, its columns, ties and string. A run that starts at rest and is pushed aside by 1e-6 of its length rings
+// with the frequency of `modes` about the equilibrium of the same lumps: two programs but for the elements.
+TEST(PreloadedModes, ColumnsTiesAndAStringRingAtTheirFrequencies) {
+    constexpr double kEI = 16.4, kL = 1.2, kCritical = M_PI * M_PI * kEI / (kL * kL);
+    std::vector<Line> lines;
+    for (const double load : {0.25, 0.5, 0.9, -1.0, -4.0, -16.0}) lines.push_back({12, kL, 1e7, kEI, 0.7, load * kCritical});
+    lines.push_back({160, 1.0, 1e6, 1e-3, 0.01, -100});
+    for (const Line& line : lines) {
+        const std::string label = fmt::format("{} beams pressed by {} N", line.beams, line.pressed);
+        const std::vector<double> found =
+            frequencies_of(modes_of(text_of(line, "", 0, 1), {"--count", "1", "--beams", "lumped"}));
+        ASSERT_EQ(found.size(), 1u);
+        const double f = found[0], square = std::pow(2 * M_PI * f, 2);
+        const double push = 1e-6 * line.length * square * line.mass * line.length / line.beams;
+        const auto rung = [&](double h) {
+            const std::string simulation =
+                fmt::format("start = \"equilibrium\"\nduration = {:.17g}\nstep = {:.17g}", 5 / f, h);
+            const TemporaryFolder folder;
+            write_text(folder / "model.toml", text_of(line, simulation, push, 0.5 / f));
+            const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "-q"});
+            EXPECT_EQ(ended.code, 0) << label << ": " << ended.err;
+            std::vector<double> aside;
+            for (const std::vector<double>& row : read_history(folder / "out/history.csv"))
+                if (row[0] > 0.5 / f) aside.push_back(row[1] - 0.1);
+            return frequency_behind(aside, h);
+        };
+        const double h = 0.01 / f;
+        EXPECT_NEAR((4 * rung(h) - rung(2 * h)) / 3, f, 1e-6 * f) << label;
     }
 }
 

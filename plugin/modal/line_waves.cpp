@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "core/index.h"
@@ -162,11 +163,6 @@ LineWaves::LineWaves(const Line& line, double length, Directions active, double 
     if (moving[2]) require(s.EIy, "EIy"), require(s.GAz, "GAz");
     if (moving[3]) require(s.GJ, "GJ"), require(s.inertia, "inertia");
 
-    for (const auto& [plane, bending] : {std::pair(1, s.EIz), {2, s.EIy}})
-        if (axial != 0 && moving[as_size(plane)])
-            least_pieces_ =
-                std::max(least_pieces_,
-                         static_cast<int>(std::min(1e6, std::ceil(length * std::sqrt(std::abs(axial) / bending) / M_PI))));
     Vector6 C;
     C << 1 / s.EA, 1 / s.GAy, 1 / s.GAz, 1 / s.GJ, 1 / s.EIy, 1 / s.EIz;
     Matrix6 A = Matrix6::Zero();
@@ -254,44 +250,44 @@ LineWaves::Waves<Scalar> LineWaves::waves(const Group& group, double s, Scalar l
     return waves;
 }
 
-/// A lower bound of the square of the lowest frequency of one of `count` pieces with its ends held: one over the sum of what
-/// every part of the mass would do alone, ∫ tr(G(s, s) M) ds, G the compliance at s of the massless piece.
-double LineWaves::lowest_held(const Group& group, int count) const {
-    const auto known = group.lowest_held.find(count);
-    if (known != group.lowest_held.end()) return known->second;
-    const double length = length_ / count;
-    constexpr std::array kPoints = {0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
-    constexpr std::array kWeights = {0.1739274225687269, 0.3260725774312731, 0.3260725774312731, 0.1739274225687269};
-    std::array<Waves<double>, kPoints.size()> up_to;  // the points, which lie as far from one end as from the other
-    for (size_t k = 0; k < kPoints.size(); ++k) up_to[k] = waves<double>(group, kPoints[k] * length, 0, 1, false);
-    // Stiffness of a part held at its start, at its end; of one held at its end, at its start
+/// The longest piece, by a lower bound, that with its ends held has no frequency whose square is below λ. In a bending
+/// plane, with a = 1 − N/GA, γ = v' − a θ and all that vanishes at its ends, over its length l (Wirtinger's inequalities,
+/// the second and third for v', whose mean is zero as that of γ + a θ is)
+///     ∫θ² ≤ (l/π)² ∫θ'²,   ∫v² ≤ (l/π)² ∫v'²,   ∫v'² ≤ (1 + 1/e) ∫γ² + (1 + e) a² (l/2π)² ∫θ'²,  any e > 0,
+/// so that λ ∫(µ v² + J θ²) − N a ∫θ² ≤ ∫(EI θ'² + GA γ²) as long as, with the best e and x = l²/π²,
+///     λ µ a² x²/4 + (λ J − N a + EI λ µ/GA) x ≤ EI.
+/// Tension counts as much as pressure: exponentials do not overflow then, where √(N a/EI) l is large. A mass that couples
+/// directions counts in each with the shares of the others, |M_ij| ≤ √(M_ii M_jj) c_ij.
+double LineWaves::longest_held(const Group& group, double lambda) const {
+    double least = std::numeric_limits<double>::infinity();  // of x
     const auto n = as_row(group.directions.size());
-    const auto held = [&](const Waves<double>& w, bool at_start) {
-        const Matrix by_force = w.U.topRightCorner(n, n).inverse();
-        const Matrix K =
-            at_start ? Matrix(w.U.bottomRightCorner(n, n) * by_force) : Matrix(by_force * w.U.topLeftCorner(n, n));
-        return Matrix(w.unit_n.asDiagonal() * K * w.unit_d.cwiseInverse().asDiagonal());
+    const auto inertia = [&](Eigen::Index k) {
+        double sum = 0;
+        for (Eigen::Index j = 0; j < n; ++j)
+            if (group.M(k, j) != 0) sum += std::abs(group.M(k, j)) * std::sqrt(group.M(k, k) / group.M(j, j));
+        return lambda * sum;
     };
-    double sum = 0;
-    for (size_t k = 0; k < kPoints.size(); ++k) {
-        const Matrix stiffness = held(up_to[k], true) + held(up_to[kPoints.size() - 1 - k], false);
-        sum += kWeights[k] * length * (stiffness.inverse() * group.M).trace();
+    for (Eigen::Index k = 0; k < n; ++k) {
+        const int direction = group.directions[as_size(k)];
+        if (direction > 3) continue;  // a rotation that bends goes with its deflection
+        if (direction == 0 || direction == 3) {
+            least = std::min(least, 1 / (inertia(k) * group.C(k)));
+            continue;
+        }
+        const auto rotation = std::ranges::find(group.directions, direction == 1 ? 5 : 4) - group.directions.begin();
+        const double a = group.A(k, rotation), bending = 1 / group.C(rotation), mass = inertia(k);
+        const double linear = inertia(rotation) + std::abs(group.G(rotation, rotation)) + bending * mass * group.C(k);
+        least = std::min(least, 2 * bending / (linear + std::sqrt(linear * linear + mass * a * a * bending)));
     }
-    return group.lowest_held[count] = 1 / sum;
+    return M_PI * std::sqrt(least);
 }
 
 int LineWaves::pieces(double omega, int most) const {
-    constexpr double kMargin = 2;  // on the square; the sum over points is not the integral
-    int count = std::min(least_pieces_, most + 1);
-    for (const Group& group : groups_) {
-        while (count <= most) {
-            const double ratio = kMargin * omega * omega / lowest_held(group, count);
-            if (ratio <= 1) break;
-            const double next = std::ceil(count * std::pow(ratio, 0.25));  // bending; axial waves take another round
-            count = next > most ? most + 1 : std::max(count + 1, static_cast<int>(next));
-        }
-    }
-    return count;
+    constexpr double kMargin = 2;  // on the square: at the frequency of a held bar its stiffness is infinite
+    double count = 1;
+    for (const Group& group : groups_)
+        count = std::max(count, std::ceil(length_ / longest_held(group, kMargin * omega * omega)));
+    return static_cast<int>(std::min(count, most + 1.0));
 }
 
 template <class Scalar>

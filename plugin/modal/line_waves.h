@@ -2,7 +2,6 @@
 #pragma once
 
 #include <complex>
-#include <map>
 #include <vector>
 
 #include "core/driven_ends.h"
@@ -42,8 +41,8 @@ public:
     /// them.
     Directions pinned() const { return pinned_; }
 
-    /// Pieces it must be cut into so that none vibrates below ω with its ends held, by a lower bound (Dunkerley): the
-    /// frequencies of the whole below ω can then be counted at its nodes. At most `most` + 1.
+    /// Pieces it must be cut into so that none vibrates below ω with its ends held, by a lower bound: the frequencies of the
+    /// whole below ω can then be counted at its nodes. At most `most` + 1.
     int pieces(double omega, int most) const;
 
     /// Dynamic stiffness of one of `count` equal pieces, [force; moment] on its start and end by their displacements, and
@@ -64,9 +63,6 @@ private:
         Block<double> A, M, G;     ///< G: what the axial force adds to n' by d
         Column C, unit_d, unit_n;  ///< diagonal of C; units of d and n for a piece of unit length
         int mirror = -1;           ///< group of the other plane that is the same but for the sense of its rotation
-        /// By count of pieces, as far as they were asked for: the lines are cut anew for every frequency. Mutable: what is
-        /// kept is what would be found again.
-        mutable std::map<int, double> lowest_held;
     };
     template <class Scalar>
     struct Waves {
@@ -75,13 +71,12 @@ private:
     };
     template <class Scalar>
     Waves<Scalar> waves(const Group& group, double s, Scalar lambda, Scalar stiffening, bool with_derivative) const;
-    double lowest_held(const Group& group, int count) const;
+    double longest_held(const Group& group, double lambda) const;
     void group_directions(const Section& s, Directions moving, const Matrix6& A, const Matrix6& G, const Matrix6& M,
                           const Vector6& C);
     static bool is_mirror(const Group& one, const Group& other);
 
     double length_;
-    int least_pieces_ = 1;  ///< that an axial force wants: none buckles with its ends held, and no exponential overflows
     Directions passed_, pinned_;
     std::vector<Group> groups_;
 };

@@ -9,17 +9,40 @@ namespace {
 
 constexpr unsigned kIndent = 2;
 
-void dump(std::ostream& stream, const Json& json, unsigned depth) {
-    // Json::dump makes one text of it all, three times as large as what it describes
-    nlohmann::detail::serializer<Json> serializer(nlohmann::detail::output_adapter<char>(stream), ' ',
-                                                  Json::error_handler_t::replace);
-    serializer.dump(json, true, false, kIndent, kIndent * depth);
-}
+using Serializer = nlohmann::detail::serializer<Json>;
 
 }  // namespace
 
+/// Takes characters to a stream in blocks: a stream takes long for each call.
+class BlockOutput : public nlohmann::detail::output_adapter_protocol<char> {
+public:
+    explicit BlockOutput(std::ostream& stream) : stream_(stream) {}
+    void write_character(char character) override { write({&character, 1}); }
+    void write_characters(const char* characters, std::size_t count) override { write({characters, count}); }
+    void write(std::string_view text) {
+        waiting_ += text;
+        if (waiting_.size() >= kBlock) flush();
+    }
+    void flush() {
+        stream_ << waiting_;
+        waiting_.clear();
+    }
+
+private:
+    static constexpr std::size_t kBlock = 4096;  // bytes
+    std::ostream& stream_;
+    std::string waiting_;
+};
+
+JsonWriter::JsonWriter(std::ostream& stream)
+    : output_(std::make_shared<BlockOutput>(stream)), serializer_(output_, ' ', Json::error_handler_t::replace) {
+    open();
+}
+
+void JsonWriter::dump(const Json& json) { serializer_.dump(json, true, false, kIndent, kIndent * depth_); }
+
 void JsonWriter::open() {
-    stream_ << '{';
+    output_->write("{");
     ++depth_;
     is_empty_ = true;
 }
@@ -27,33 +50,40 @@ void JsonWriter::open() {
 void JsonWriter::close() {
     --depth_;
     if (!is_empty_) start_line();
-    stream_ << '}';
+    output_->write("}");
     is_empty_ = false;
 }
 
-void JsonWriter::start_line() { stream_ << '\n' << std::string(kIndent * depth_, ' '); }
+void JsonWriter::start_line() {
+    output_->write("\n");
+    for (unsigned i = 0; i < kIndent * depth_; ++i) output_->write(" ");
+}
 
 void JsonWriter::begin_member(std::string_view name) {
-    if (!is_empty_) stream_ << ',';
+    if (!is_empty_) output_->write(",");
     is_empty_ = false;
     start_line();
-    dump(stream_, Json(name), 0);
-    stream_ << ": ";
+    dump(Json(name));
+    output_->write(": ");
 }
 
 void JsonWriter::member(std::string_view name, const Json& value) {
     begin_member(name);
-    dump(stream_, value, depth_);
+    dump(value);
 }
 
 void JsonWriter::finish() {
     close();
-    stream_ << '\n';
+    output_->write("\n");
+    output_->flush();
 }
 
 void write_json(std::ostream& stream, const Json& json) {
-    dump(stream, json, 0);
-    stream << '\n';
+    // Json::dump makes one text of it all, three times as large as what it describes
+    const auto output = std::make_shared<BlockOutput>(stream);
+    Serializer(output, ' ', Json::error_handler_t::replace).dump(json, true, false, kIndent);
+    output->write("\n");
+    output->flush();
 }
 
 void write_json(const std::filesystem::path& path, const Json& json) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <stdexcept>
@@ -149,10 +150,12 @@ using Json = nlohmann::basic_json<OrderedMembers>;
 /// For a person: indented, with a line feed at the end; what is not UTF-8 is replaced.
 std::string to_text(const Json& json);
 
+class BlockOutput;
+
 /// Writes an object member by member in the form of write_json(), for one that is too large to stand in memory.
 class JsonWriter {
 public:
-    explicit JsonWriter(std::ostream& stream) : stream_(stream) { open(); }
+    explicit JsonWriter(std::ostream& stream);
 
     void member(std::string_view name, const Json& value);
     /// Members that `write` gives, as an object.
@@ -171,8 +174,10 @@ private:
     void close();
     void begin_member(std::string_view name);
     void start_line();
+    void dump(const Json& json);
 
-    std::ostream& stream_;
+    std::shared_ptr<BlockOutput> output_;
+    nlohmann::detail::serializer<Json> serializer_;
     unsigned depth_ = 0;
     bool is_empty_ = true;  ///< the innermost open object, so far
 };

@@ -25,12 +25,12 @@ std::span<const dttmm_parameter> parameters_of(const dttmm_element_type& type) {
 
 /// "section.tube": the table `section`, empty for the element's own, and the key `tube` in it.
 struct Path {
-    explicit Path(const std::string& name) {
+    explicit Path(std::string_view name) {
         const std::size_t dot = name.find('.');
         if (dot != name.npos) table = name.substr(0, dot);
         key = dot == name.npos ? name : name.substr(dot + 1);
     }
-    std::string table, key;
+    std::string_view table, key;
 };
 
 std::vector<std::string> words_of(const dttmm_parameter& parameter) {
@@ -163,10 +163,10 @@ std::optional<std::vector<double>> read_value(const TableReader& table, const To
 class ParameterTables {
 public:
     ParameterTables(const TableReader& own, const dttmm_element_type& type) : own_(own) {
-        std::map<std::string, std::vector<std::string>> keys;
+        std::map<std::string_view, std::vector<std::string>> keys;
         for (const dttmm_parameter& parameter : parameters_of(type)) {
             const Path path(parameter.name);
-            if (!path.table.empty()) keys[path.table].push_back(path.key);
+            if (!path.table.empty()) keys[path.table].emplace_back(path.key);
         }
         for (const auto& [name, inner] : keys)
             if (const TomlMember* member = own.find(name))
@@ -190,7 +190,7 @@ public:
 
 private:
     const TableReader& own_;
-    std::map<std::string, TableReader> inner_;
+    std::map<std::string_view, TableReader> inner_;
 };
 
 }  // namespace
@@ -199,8 +199,8 @@ std::vector<std::string> parameter_keys(const dttmm_element_type& type) {
     std::vector<std::string> keys;
     for (const dttmm_parameter& parameter : parameters_of(type)) {
         const Path path(parameter.name);
-        const std::string& key = path.table.empty() ? path.key : path.table;
-        if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+        const std::string_view key = path.table.empty() ? path.key : path.table;
+        if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.emplace_back(key);
     }
     return keys;
 }

@@ -57,9 +57,11 @@ void InteriorInstant::form_first_balance() {
     factor_or_refuse(inside_.mechanism, balance.matrix, DTTMM_ERROR_SINGULAR);
 }
 
-/// For massless halves: so that every frame has something. A share of the lightest mass that rigid directions join them to.
+/// For massless halves: so that every frame has something. A share of the lightest mass that rigid directions join them to,
+/// or less than any body has: what is lent is taken out again, and its rounding must not move the bodies.
 std::vector<Vector6> InteriorInstant::lend_masses() const {
-    constexpr double kShare = 1e-6;  // solve_first_balance() takes it out again; 1e-2 to 1e-8 give the same digits
+    constexpr double kShare = 1e-6;   // solve_first_balance() takes it out again; 1e-2 to 1e-8 give the same digits
+    constexpr double kLeast = 1e-12;  // kg
     constexpr double kNone = std::numeric_limits<double>::infinity();
     std::vector<double> nearby(inside_.inertias.size(), kNone);
     for (size_t i = 0; i < nearby.size(); ++i)
@@ -79,7 +81,7 @@ std::vector<Vector6> InteriorInstant::lend_masses() const {
     }
     std::vector<Vector6> lent(nearby.size(), Vector6::Zero());
     for (size_t i : inside_.massless.frames()) {
-        const double mass = nearby[i] < kNone ? kShare * nearby[i] : 1;
+        const double mass = nearby[i] < kNone ? kShare * nearby[i] : kLeast;
         const double arm = inside_.reach[i] > 0 ? inside_.reach[i] : 1;
         for (int half : {0, 1})
             if (inside_.massless.is_massless(i, half))

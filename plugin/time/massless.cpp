@@ -21,6 +21,7 @@ MasslessFrames::MasslessFrames(const Mechanism& mechanism, const std::vector<std
         const auto size = as_row(6 * part.group.frames.size());
         part.basis.setZero(size, size);
         for (Eigen::VectorXd* v : {&part.end, &part.step, &part.half_way}) v->setZero(size);
+        part.unit.setOnes(size);
     }
     for (size_t j = 0; j < mechanism.joints.size(); ++j)
         for (int frame : {mechanism.joints[j].from(), mechanism.joints[j].to()}) {
@@ -32,9 +33,12 @@ MasslessFrames::MasslessFrames(const Mechanism& mechanism, const std::vector<std
         }
 }
 
-void MasslessFrames::look(const Mechanism& mechanism) {
+void MasslessFrames::look(const Mechanism& mechanism, std::span<const double> reach) {
     for (Part& part : parts_) {
         if (part.is_rigid || (part.group.rigid.empty() && part.group.damped.empty())) continue;
+        for (size_t k = 0; k < part.group.frames.size(); ++k)
+            if (const double length = reach[frames()[part.group.frames[k]]]; length > 0)
+                part.unit.segment<3>(as_row(6 * k) + 3).setConstant(1 / length);
         part.rank = 0;
         for (const MasslessRow& row : part.group.rigid) add_to_basis(mechanism, part, row, true);
         part.rigid_rank = part.rank;
@@ -61,6 +65,7 @@ void MasslessFrames::add_to_basis(const Mechanism& mechanism, Part& part, const 
             if (has_none(as_size(i), half))
                 next.segment<3>(begin_[as_size(i)] + 3 * half) += G.block<1, 3>(row.direction, 3 * half).transpose();
     }
+    next.array() *= part.unit.array();
     const double size = next.norm();
     for ([[maybe_unused]] const int round : {0, 1})
         for (int k = 0; k < part.rank; ++k) next -= part.basis.col(k).dot(next) * part.basis.col(k);
@@ -79,10 +84,12 @@ void MasslessFrames::combine(std::span<Residual> residuals) const {
             part.step.segment<6>(as_row(6 * k)) = own.step - own.end;
             part.half_way.segment<6>(as_row(6 * k)) = own.half_way - own.end;
         }
+        for (Eigen::VectorXd* v : {&part.end, &part.step, &part.half_way}) v->array() *= part.unit.array();
         for (int k = 0; k < part.rank; ++k) {
             const auto direction = part.basis.col(k);
             part.end += direction.dot(k < part.rigid_rank ? part.step : part.half_way) * direction;
         }
+        part.end.array() /= part.unit.array();
         for (size_t k = 0; k < part.group.frames.size(); ++k)
             for (int half : {0, 1})
                 if (has_none(part.group.frames[k], half))

@@ -20,6 +20,7 @@ namespace dttmm::plugin {
 /// at the end of the step follow the load alone, ψ + τ ψ' = load, and nothing is left to ring there either.
 ///
 /// The three are orthogonal parts of the space of unit motions of the frames that rigid directions join, in their own axes.
+/// A rotation counts there as what it moves at the reach of its frame, so that no unit of length decides.
 class MasslessFrames : public MasslessSet {
 public:
     /// massless: translation and rotation of every inner frame.
@@ -31,8 +32,8 @@ public:
     /// τ [s]
     double relaxation(size_t i) const { return parts_[as_size(part_of_[i])].group.relaxation; }
 
-    /// Finds the parts of the space of motions where the frames are at t_n.
-    void look(const Mechanism& mechanism);
+    /// Finds the parts of the space of motions where the frames are at t_n. reach: of every inner frame [m].
+    void look(const Mechanism& mechanism, std::span<const double> reach);
 
     /// Forces on a frame in its own axes that must vanish: over the step, at its end, half way through it.
     struct Residual {
@@ -45,6 +46,7 @@ private:
     /// Massless frames that rigid directions join.
     struct Part {
         MasslessGroup group;
+        Eigen::VectorXd unit;                         ///< of its motions: 1, or a rotation that moves the reach by one
         Eigen::MatrixXd basis;                        ///< orthonormal: what is rigid, what is damped
         int rigid_rank = 0, rank = 0;                 ///< of the former, of both
         bool is_rigid = false;                        ///< altogether: nothing is left for another balance, wherever it goes

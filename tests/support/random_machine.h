@@ -19,6 +19,15 @@ struct Placement {
     Eigen::Vector3d way = Eigen::Vector3d::Zero();
 };
 
+/// What a machine of the same shape has instead of a metre, a kilogram and a second: powers of two change no digit.
+struct Units {
+    double length = 1, mass = 1, time = 1;
+
+    double force() const { return mass * length / (time * time); }
+    double stiffness() const { return mass / (time * time); }
+    double turning() const { return length * length; }  ///< of stiffnesses and dampings, of masses
+};
+
 /// A model file drawn from a seed: bodies light and heavy in a tree, held by springs, ideal joints, beams, rods and chains
 /// of these through nodes with and without masses; loops; parts stiff and soft beside the step (ωh from 0.01 to 100); loads
 /// and gravity. The same seed gives the same machine wherever it stands, and by every compiler: no two numbers are drawn in
@@ -26,16 +35,17 @@ struct Placement {
 class RandomMachine {
 public:
     /// steps: of the run.
-    explicit RandomMachine(uint64_t seed, int steps = 40, const Placement& placement = {})
-        : random_(seed), placement_(placement) {
+    explicit RandomMachine(uint64_t seed, int steps = 40, const Placement& placement = {}, const Units& units = {})
+        : random_(seed), placement_(placement), units_(units) {
         constexpr double kSteps[] = {1e-4, 2e-4, 5e-4, 1e-3};
         step_ = kSteps[pick(4)];
         const bool has_gravity = chance(0.5);
         const Eigen::Vector3d gravity = turned(9.81 * direction());
-        text_ = fmt::format("[simulation]\nstep = {}\nduration = {:.12g}\n", step_, steps * step_);
-        if (has_gravity) text_ += "gravity = " + list(gravity) + "\n";
+        const double time = units_.time;
+        text_ = fmt::format("[simulation]\nstep = {}\nduration = {}\n", time * step_, time * rounded(steps * step_, 12));
+        if (has_gravity) text_ += "gravity = " + list(units_.force() / units_.mass * gravity) + "\n";
         if (chance(0.15)) text_ += "spectral_radius = 0.8\n";
-        text_ += fmt::format("[output]\nstep = {:.12g}\n", step_);
+        text_ += fmt::format("[output]\nstep = {}\n", time * rounded(step_, 12));
         const int bodies = 1 + pick(5);
         for (int b = 0; b < bodies; ++b) add_body();
         for (int b = 0; b < bodies; ++b) hold(b, pick(b + 1) - 1);
@@ -81,7 +91,8 @@ private:
         return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z());
     }
     Eigen::Vector3d turned(const Eigen::Vector3d& v) const { return placement_.turn * v; }
-    Eigen::Vector3d placed(const Eigen::Vector3d& x) const { return placement_.turn * x + placement_.way; }
+    Eigen::Vector3d placed(const Eigen::Vector3d& x) const { return units_.length * (placement_.turn * x + placement_.way); }
+    static double rounded(double x, int digits) { return std::stod(fmt::format("{:.{}g}", x, digits)); }
     std::string attitude(const Eigen::Quaterniond& own) const {
         Eigen::Quaterniond q(placement_.turn * own.toRotationMatrix());
         q.normalize();
@@ -98,10 +109,11 @@ private:
         parts_ += fmt::format(
             "[[body]]\nname = \"b{}\"\nmass = {:.17g}\nbox = [{:.17g}, {:.17g}, {:.17g}]\nposition = {}\n"
             "quaternion = {}\nmarkers = {{ ",
-            bodies_.size(), body.mass, length, height, depth, list(placed(body.position)), attitude(body.attitude));
+            bodies_.size(), units_.mass * body.mass, units_.length * length, units_.length * height, units_.length * depth,
+            list(placed(body.position)), attitude(body.attitude));
         for (int m = 0; m < kMarkers; ++m) {
             markers_.push_back(vector(0.25));
-            parts_ += fmt::format("{}m{} = {}", m > 0 ? ", " : "", m, list(markers_.back()));
+            parts_ += fmt::format("{}m{} = {}", m > 0 ? ", " : "", m, list(units_.length * markers_.back()));
         }
         parts_ += " }\n";
         bodies_.push_back(body);
@@ -134,12 +146,14 @@ private:
             const double z = uniform(0.2, 1), y = uniform(0.2, 1), x = uniform(0.2, 1);
             return Eigen::Vector3d(size * x, size * y, size * z);
         };
-        const Eigen::Vector3d way = three(k), turn = three(k * arm * arm);
+        const Eigen::Vector3d way = units_.stiffness() * three(k),
+                              turn = units_.stiffness() * units_.turning() * three(k * arm * arm);
         parts_ +=
             element("spring_damper") + fmt::format("from = \"{}\"\nto = \"{}\"\nstiffness = {}\nrotational_stiffness = {}\n",
                                                    from, to, list(way), list(turn));
         if (damping > 0)
-            parts_ += fmt::format("damping = {}\nrotational_damping = {}\n", list(damping * way), list(damping * turn));
+            parts_ += fmt::format("damping = {}\nrotational_damping = {}\n", list(units_.time * (damping * way)),
+                                  list(units_.time * (damping * turn)));
     }
     void add_beam(const std::string& from, const std::string& to) {
         const double outer = power(-2.2, -1.2);
@@ -147,11 +161,13 @@ private:
         const double damping = chance(0.5) ? power(-6, -4) : 0.0, density = power(3, 4), E = power(9.5, 11.5),
                      inner = uniform(0, 0.8) * outer;
         const int segments = 1 + pick(6);
-        parts_ += element(is_rod ? "rod" : "beam") +
-                  fmt::format(
-                      "from = \"{}\"\nto = \"{}\"\nsegments = {}\nsection = {{ tube = [{:.17g}, {:.17g}] }}\n"
-                      "material = {{ E = {:.17g}, poisson = 0.3, density = {:.17g}, stiffness_damping = {:.3g} }}\n",
-                      from, to, segments, outer, inner, E, density, damping);
+        parts_ +=
+            element(is_rod ? "rod" : "beam") +
+            fmt::format(
+                "from = \"{}\"\nto = \"{}\"\nsegments = {}\nsection = {{ tube = [{:.17g}, {:.17g}] }}\n"
+                "material = {{ E = {:.17g}, poisson = 0.3, density = {:.17g}, stiffness_damping = {} }}\n",
+                from, to, segments, units_.length * outer, units_.length * inner, units_.stiffness() / units_.length * E,
+                units_.mass / std::pow(units_.length, 3) * density, units_.time * rounded(damping, 3));
         if (!is_rod) parts_ += fmt::format("up = {}\n", list(turned(direction())));
     }
     /// A chain of beams through nodes, some with masses.
@@ -164,14 +180,17 @@ private:
             const std::string node = add_node(next, false);
             add_beam(here, node);
             if (chance(0.4)) {
-                parts_ += element("point_mass") + fmt::format("at = \"{}\"\nmass = {:.17g}\n", node, power(-2, 1));
+                parts_ +=
+                    element("point_mass") + fmt::format("at = \"{}\"\nmass = {:.17g}\n", node, units_.mass * power(-2, 1));
             } else if (chance(0.5)) {
-                const double mass = power(-1, 1), size = mass * std::pow(uniform(0.05, 0.2), 2);
+                const double mass = power(-1, 1), size = mass * std::pow(uniform(0.05, 0.2), 2),
+                             inertia = units_.mass * units_.turning();
                 parts_ += element("rigid_body") +
                           fmt::format(
                               "at = \"{}\"\nmass = {:.17g}\ncenter_of_mass = {}\ninertia = {{ xx = {:.17g}, yy = "
                               "{:.17g}, zz = {:.17g} }}\n",
-                              node, mass, list(vector(0.1)), size, 1.2 * size, 1.5 * size);
+                              node, units_.mass * mass, list(units_.length * vector(0.1)), inertia * size,
+                              inertia * (1.2 * size), inertia * (1.5 * size));
             }
             here = node;
             at = next;
@@ -179,11 +198,13 @@ private:
         if (chance(0.25)) {
             const std::string node = add_node(place(to, 1) + vector(0.1), false);
             add_beam(here, node);
-            const char* const others = chance(0.5) ? "x = 3e6" : "y = 4e5, z = 7e6";
+            const double unit = units_.stiffness();
+            const std::string others =
+                chance(0.5) ? fmt::format("x = {}", unit * 3e6) : fmt::format("y = {}, z = {}", unit * 4e5, unit * 7e6);
             const double k = stiffness(bodies_[static_cast<size_t>(to)].mass) * 0.01;
-            parts_ +=
-                element("elastic_hinge") + fmt::format("from = \"{}\"\nto = \"{}\"\nstiffness = {{ {} = {:.17g}, {} }}\n",
-                                                       node, end(to, 1), kAxes[pick(3)], k, others);
+            parts_ += element("elastic_hinge") +
+                      fmt::format("from = \"{}\"\nto = \"{}\"\nstiffness = {{ {} = {:.17g}, {} }}\n", node, end(to, 1),
+                                  kAxes[pick(3)], unit * units_.turning() * k, others);
         } else {
             add_beam(here, end(to, 1));
         }
@@ -213,15 +234,16 @@ private:
     void add_branch(int body) {
         const std::string node = add_node(place(body, 3) + direction(0.3, 0.8), false);
         add_beam(end(body, 3), node);
-        if (chance(0.5)) parts_ += element("point_mass") + fmt::format("at = \"{}\"\nmass = {:.17g}\n", node, power(-2, 0));
+        if (chance(0.5))
+            parts_ += element("point_mass") + fmt::format("at = \"{}\"\nmass = {:.17g}\n", node, units_.mass * power(-2, 0));
     }
     void add_load(int body) {
-        const double size = bodies_[static_cast<size_t>(body)].mass * power(-1, 1);
+        const double size = units_.force() * (bodies_[static_cast<size_t>(body)].mass * power(-1, 1));
         const std::string signal =
             chance(0.5) ? fmt::format("{{ type = \"sine\", amplitude = {:.17g}, frequency = {:.17g} }}", size,
-                                      uniform(0.005, 0.03) / step_)
+                                      uniform(0.005, 0.03) / step_ / units_.time)
                         : fmt::format("{{ type = \"haversine\", peak = {:.17g}, width = {:.17g}, start = 0 }}", size,
-                                      uniform(20, 60) * step_);
+                                      units_.time * (uniform(20, 60) * step_));
         parts_ +=
             fmt::format("[[load]]\non = \"b{}\"\ndirection = {}\nforce = {}\n", body, list(turned(direction())), signal);
     }
@@ -230,6 +252,7 @@ private:
     static constexpr const char* kAxes[] = {"rx", "ry", "rz"};
     std::mt19937_64 random_;
     Placement placement_;
+    Units units_;
     double step_;
     std::vector<Body> bodies_;
     std::vector<Eigen::Vector3d> markers_;

@@ -23,10 +23,14 @@ public:
         const Model model = parse_model("format = \"dttmm/1\"\n" + text, "model.toml", plugins.catalogue());
         Simulation simulation(model, plugins);
         for (size_t c = 0; c < simulation.channels().size(); ++c) columns_[simulation.channels()[c].name()] = c;
+        for (const Channel& channel : simulation.channels()) units_.push_back(channel.unit());
         simulation.record_to([&](std::span<const double> row) { rows_.emplace_back(row.begin(), row.end()); });
         while (simulation.index() < simulation.step_count()) simulation.step();
     }
     size_t count() const { return rows_.size(); }
+    const std::vector<std::vector<double>>& rows() const { return rows_; }
+    /// Of every number of a row.
+    const std::vector<std::string>& units() const { return units_; }
     bool has(const std::string& channel) const { return columns_.count(channel) > 0; }
     double operator()(size_t n, const std::string& channel) const { return rows_[n][columns_.at(channel)]; }
     Eigen::Vector3d vector(size_t n, const std::string& channel) const {
@@ -57,6 +61,7 @@ public:
 
 private:
     std::map<std::string, size_t> columns_;
+    std::vector<std::string> units_;
     std::vector<std::vector<double>> rows_;
 };
 

@@ -134,8 +134,9 @@ struct Line {
 };
 
 std::string text_of(const Line& line, const std::string& simulation, double push, double width) {
-    std::string text = fmt::format("format = \"dttmm/1\"\n[simulation]\n{}\n[output]\nchannels = [\"n{}.position\"]\n[nodes]\n",
-                                   simulation, line.beams / 2);
+    std::string text =
+        fmt::format("format = \"dttmm/1\"\n[simulation]\n{}\n[output]\nchannels = [\"n{}.position\"]\n[nodes]\n", simulation,
+                    line.beams / 2);
     const auto place = [&](int i) { return line.length * i / line.beams; };
     for (int i = 0; i <= line.beams; ++i) {
         const char* fixed = i == 0 ? R"(, fixed = ["x", "y", "z", "rz"])" : i == line.beams ? R"(, fixed = ["x", "y"])" : "";
@@ -155,9 +156,10 @@ section = {{ EA = {2:.17g}, EIy = {3:.17g}, EIz = {4:.17g}, GJ = 1e3, mass = {5:
                             i, i + 1, line.EA, 1.9 * line.EI, line.EI, line.mass);
     text += fmt::format("[[load]]\non = \"n{}\"\ndirection = [0, 0, -1]\nforce = {:.17g}\n", line.beams, line.pressed);
     for (int i = 1; i < line.beams; ++i)
-        text += fmt::format("[[load]]\non = \"n{}\"\ndirection = [1, 0, 0]\n"
-                            "force = {{ type = \"haversine\", peak = {:.17g}, start = 0, width = {:.17g} }}\n",
-                            i, push * std::sin(M_PI * i / line.beams), width);
+        text += fmt::format(
+            "[[load]]\non = \"n{}\"\ndirection = [1, 0, 0]\n"
+            "force = {{ type = \"haversine\", peak = {:.17g}, start = 0, width = {:.17g} }}\n",
+            i, push * std::sin(M_PI * i / line.beams), width);
     return text;
 }
 

@@ -9,14 +9,10 @@ namespace {
 
 constexpr unsigned kIndent = 2;
 
-using Serializer = nlohmann::detail::serializer<Json>;
-
-}  // namespace
-
 /// Takes characters to a stream in blocks: a stream takes long for each call.
-class BlockOutput : public nlohmann::detail::output_adapter_protocol<char> {
+class Blocks : public nlohmann::detail::output_adapter_protocol<char> {
 public:
-    explicit BlockOutput(std::ostream& stream) : stream_(stream) {}
+    explicit Blocks(std::ostream& stream) : stream_(stream) {}
     void write_character(char character) override { write({&character, 1}); }
     void write_characters(const char* characters, std::size_t count) override { write({characters, count}); }
     void write(std::string_view text) {
@@ -24,7 +20,7 @@ public:
         if (waiting_.size() >= kBlock) flush();
     }
     void flush() {
-        stream_ << waiting_;
+        stream_.write(waiting_.data(), static_cast<std::streamsize>(waiting_.size()));
         waiting_.clear();
     }
 
@@ -34,12 +30,25 @@ private:
     std::string waiting_;
 };
 
-JsonWriter::JsonWriter(std::ostream& stream)
-    : output_(std::make_shared<BlockOutput>(stream)), serializer_(output_, ' ', Json::error_handler_t::replace) {
-    open();
-}
+}  // namespace
 
-void JsonWriter::dump(const Json& json) { serializer_.dump(json, true, false, kIndent, kIndent * depth_); }
+/// Json::dump makes one text of it all, three times as large as what it describes.
+class JsonOutput {
+public:
+    explicit JsonOutput(std::ostream& stream)
+        : blocks_(std::make_shared<Blocks>(stream)), serializer_(blocks_, ' ', Json::error_handler_t::replace) {}
+
+    void write(std::string_view text) { blocks_->write(text); }
+    void dump(const Json& json, unsigned depth) { serializer_.dump(json, true, false, kIndent, kIndent * depth); }
+    void flush() { blocks_->flush(); }
+
+private:
+    std::shared_ptr<Blocks> blocks_;
+    nlohmann::detail::serializer<Json> serializer_;
+};
+
+JsonWriter::JsonWriter(std::ostream& stream) : output_(std::make_unique<JsonOutput>(stream)) { open(); }
+JsonWriter::~JsonWriter() = default;
 
 void JsonWriter::open() {
     output_->write("{");
@@ -63,13 +72,13 @@ void JsonWriter::begin_member(std::string_view name) {
     if (!is_empty_) output_->write(",");
     is_empty_ = false;
     start_line();
-    dump(Json(name));
+    output_->dump(Json(name), depth_);
     output_->write(": ");
 }
 
 void JsonWriter::member(std::string_view name, const Json& value) {
     begin_member(name);
-    dump(value);
+    output_->dump(value, depth_);
 }
 
 void JsonWriter::finish() {
@@ -79,11 +88,10 @@ void JsonWriter::finish() {
 }
 
 void write_json(std::ostream& stream, const Json& json) {
-    // Json::dump makes one text of it all, three times as large as what it describes
-    const auto output = std::make_shared<BlockOutput>(stream);
-    Serializer(output, ' ', Json::error_handler_t::replace).dump(json, true, false, kIndent);
-    output->write("\n");
-    output->flush();
+    JsonOutput output(stream);
+    output.dump(json, 0);
+    output.write("\n");
+    output.flush();
 }
 
 void write_json(const std::filesystem::path& path, const Json& json) {

@@ -150,12 +150,14 @@ using Json = nlohmann::basic_json<OrderedMembers>;
 /// For a person: indented, with a line feed at the end; what is not UTF-8 is replaced.
 std::string to_text(const Json& json);
 
-class BlockOutput;
+class JsonOutput;
 
-/// Writes an object member by member in the form of write_json(), for one that is too large to stand in memory.
+/// Writes an object member by member in the form of write_json(), for one that is too large to stand in memory. Nothing is
+/// complete before finish().
 class JsonWriter {
 public:
     explicit JsonWriter(std::ostream& stream);
+    ~JsonWriter();
 
     void member(std::string_view name, const Json& value);
     /// Members that `write` gives, as an object.
@@ -174,10 +176,8 @@ private:
     void close();
     void begin_member(std::string_view name);
     void start_line();
-    void dump(const Json& json);
 
-    std::shared_ptr<BlockOutput> output_;
-    nlohmann::detail::serializer<Json> serializer_;
+    std::unique_ptr<JsonOutput> output_;
     unsigned depth_ = 0;
     bool is_empty_ = true;  ///< the innermost open object, so far
 };

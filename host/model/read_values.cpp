@@ -23,7 +23,7 @@ std::span<const dttmm_parameter> parameters_of(const dttmm_element_type& type) {
     return {type.parameters, type.parameter_count};
 }
 
-/// "section.tube": the table `section`, empty for the element's own, and the key `tube` in it.
+/// "section.tube": the table `section`, empty for the element's own, and the key `tube` in it; parts of the text given.
 struct Path {
     explicit Path(std::string_view name) {
         const std::size_t dot = name.find('.');

@@ -192,7 +192,8 @@ void LineWaves::group_directions(const Section& s, Directions moving, const Matr
         for (size_t k = 0; k < group.directions.size(); ++k)
             for (size_t d = 0; d < 6; ++d) {
                 const int other = group.directions[k], own = as_int(d);
-                if (moving[d] && group_of[d] < 0 && (A(other, own) != 0 || A(own, other) != 0 || M(other, own) != 0)) add(d);
+                const bool bend = other != own && other + own == 6;  // a deflection and its rotation, also where N = GA
+                if (moving[d] && group_of[d] < 0 && (bend || M(other, own) != 0)) add(d);
             }
         group.A = A(group.directions, group.directions);
         group.M = M(group.directions, group.directions);
@@ -250,14 +251,14 @@ LineWaves::Waves<Scalar> LineWaves::waves(const Group& group, double s, Scalar l
     return waves;
 }
 
-/// The longest piece, by a lower bound, that with its ends held has no frequency whose square is below λ. In a bending
-/// plane, with a = 1 − N/GA, γ = v' − a θ and all that vanishes at its ends, over its length l (Wirtinger's inequalities,
-/// the second and third for v', whose mean is zero as that of γ + a θ is)
-///     ∫θ² ≤ (l/π)² ∫θ'²,   ∫v² ≤ (l/π)² ∫v'²,   ∫v'² ≤ (1 + 1/e) ∫γ² + (1 + e) a² (l/2π)² ∫θ'²,  any e > 0,
-/// so that λ ∫(µ v² + J θ²) − N a ∫θ² ≤ ∫(EI θ'² + GA γ²) as long as, with the best e and x = l²/π²,
-///     λ µ a² x²/4 + (λ J − N a + EI λ µ/GA) x ≤ EI.
-/// Tension counts as much as pressure: exponentials do not overflow then, where √(N a/EI) l is large. A mass that couples
-/// directions counts in each with the shares of the others, |M_ij| ≤ √(M_ii M_jj) c_ij.
+/// The longest piece, by a lower bound, that does not vibrate with its ends held at any ω² below λ. In a bending plane let
+/// a = 1 − N/GA and γ = v' − a θ. Over a length l at whose ends v and θ vanish, Wirtinger's inequalities are
+///     ∫θ² ≤ (l/π)² ∫θ'²,   ∫v² ≤ (l/π)² ∫v'²,   ∫v'² ≤ (1 + 1/e) ∫γ² + (1 + e) a² (l/2π)² ∫θ'²  for every e > 0;
+/// the last holds because the mean of v' is zero. With the best e, and x = l²/π², λ ∫(µ v² + J θ²) + |N a| ∫θ² is at most
+/// ∫(EI θ'² + GA γ²) if
+///     λ µ a² x²/4 + (λ J + |N a| + EI λ µ/GA) x ≤ EI.
+/// The axial force adds −N a ∫θ² to the left, at most |N a| ∫θ². With that in tension too, exponentials do not overflow. A
+/// mass that couples directions counts in each by Σ_j |M_ij| √(M_ii/M_jj).
 double LineWaves::longest_held(const Group& group, double lambda) const {
     double least = std::numeric_limits<double>::infinity();  // of x
     const auto n = as_row(group.directions.size());
@@ -283,7 +284,8 @@ double LineWaves::longest_held(const Group& group, double lambda) const {
 }
 
 int LineWaves::pieces(double omega, int most) const {
-    constexpr double kMargin = 2;  // on the square: at the frequency of a held bar its stiffness is infinite
+    // On the square: at the frequency of a held bar its stiffness is infinite, with 2 it is -1.7 times that at rest
+    constexpr double kMargin = 2;
     double count = 1;
     for (const Group& group : groups_)
         count = std::max(count, std::ceil(length_ / longest_held(group, kMargin * omega * omega)));

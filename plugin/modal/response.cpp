@@ -87,12 +87,6 @@ private:
     int row_;  ///< the next of a rigid direction
 };
 
-bool is_alike(const Sparse& a, const Sparse& b) {
-    return a.rows() == b.rows() && a.nonZeros() == b.nonZeros() &&
-           std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.outerSize() + 1, b.outerIndexPtr()) &&
-           std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr());
-}
-
 }  // namespace
 
 // ---- Equations ----------------------------------------------------------------------------------------------------------
@@ -183,7 +177,7 @@ void HarmonicSolver::lean_on(const HarmonicSolver& middle) {
     parts_.emplace(D_);
     refuse_beyond_rows();
     leaning_ = assemble({0, omega_}, Form::steady);
-    if (of_modes_ || middle.of_modes_ || leaning_.rows() != middle.pattern_.rows() || rigid_rows() != middle.rigid_rows())
+    if (of_modes_ || middle.of_modes_ || leaning_.rows() != middle.lu_.size() || rigid_rows() != middle.rigid_rows())
         throw Error(DTTMM_ERROR_ARGUMENT, "the equations of the machines are not laid out alike");
 }
 
@@ -215,12 +209,7 @@ void HarmonicSolver::refuse_beyond_rows() const {
 }
 
 void HarmonicSolver::factor_matrix(const Sparse& matrix) {
-    if (!is_alike(matrix, pattern_)) {
-        lu_.analyzePattern(matrix);
-        pattern_ = matrix;
-    }
-    lu_.factorize(matrix);
-    if (lu_.info() != Eigen::Success)
+    if (!lu_.factor(matrix))
         throw Error(DTTMM_ERROR_SINGULAR,
                     fmt::format("{:.6g} Hz is a natural frequency without damping: the response there has no bound",
                                 omega_ / (2 * M_PI)));
@@ -255,7 +244,7 @@ void HarmonicSolver::add_supports(const Response& response, Eigen::VectorXcd& r)
 
 Response HarmonicSolver::solve(const Drive& drive) const {
     const FrequencyModel& model = D_.model();
-    Eigen::VectorXcd r = Eigen::VectorXcd::Zero(middle_ ? leaning_.rows() : pattern_.rows());
+    Eigen::VectorXcd r = Eigen::VectorXcd::Zero(middle_ ? leaning_.rows() : lu_.size());
     Response response;
     if (!drive.supports.empty()) {
         response.supports.assign(model.nodes.size(), Complex6::Zero());

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <Eigen/SparseCore>
-#include <Eigen/SparseLU>
 #include <complex>
 #include <optional>
 #include <vector>
 
+#include "modal/balanced_lu.h"
 #include "modal/carried_forces.h"
 #include "modal/dynamic_stiffness.h"
 #include "modal/modal_damping.h"
@@ -88,8 +88,7 @@ private:
     double omega_ = 0;
     CarriedForces::Waves waves_;
     std::optional<ElementParts> parts_;  ///< as D is cut
-    Sparse pattern_;                     ///< the matrix whose order of elimination lu_ knows
-    Eigen::SparseLU<Sparse> lu_;
+    BalancedLu lu_;
     const HarmonicSolver* middle_ = nullptr;  ///< that this one leans on; null: none
     Sparse leaning_;                          ///< then the matrix of this one
 };

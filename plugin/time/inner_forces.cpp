@@ -35,7 +35,7 @@ void InnerForces::look_at_joints() {
         // Three instants, one force: of one branch of θ
         known.add(scheme.elastic_weight(2), before, nearest_turn(mechanism.states[j].theta_before, theta));
     }
-    inside_.massless.look(mechanism, inside_.reach);
+    inside_.massless.look(mechanism);
 }
 
 /// Of a joint's rigid directions over the step, with forces q.

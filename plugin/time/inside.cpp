@@ -60,6 +60,7 @@ Inside::Inside(const Mechanism& whole, const dttmm_network& description, Loading
         inverse_moments.push_back(massless.is_massless(i, 1) ? Matrix3(Matrix3::Zero()) : inverse_of(frame.inertia));
     }
     set_reaches();
+    massless.set_reach(reach);
     choose_receivers();
     choose_near();
     choose_loaded();

@@ -33,12 +33,21 @@ MasslessFrames::MasslessFrames(const Mechanism& mechanism, const std::vector<std
         }
 }
 
-void MasslessFrames::look(const Mechanism& mechanism, std::span<const double> reach) {
+/// A frame without a reach has that of its neighbours.
+void MasslessFrames::set_reach(std::span<const double> reach) {
+    for (Part& part : parts_) {
+        double longest = 0;
+        for (size_t i : part.group.frames) longest = std::max(longest, reach[frames()[i]]);
+        for (size_t k = 0; k < part.group.frames.size() && longest > 0; ++k) {
+            const double own = reach[frames()[part.group.frames[k]]];
+            part.unit.segment<3>(as_row(6 * k) + 3).setConstant(1 / (own > 0 ? own : longest));
+        }
+    }
+}
+
+void MasslessFrames::look(const Mechanism& mechanism) {
     for (Part& part : parts_) {
         if (part.is_rigid || (part.group.rigid.empty() && part.group.damped.empty())) continue;
-        for (size_t k = 0; k < part.group.frames.size(); ++k)
-            if (const double length = reach[frames()[part.group.frames[k]]]; length > 0)
-                part.unit.segment<3>(as_row(6 * k) + 3).setConstant(1 / length);
         part.rank = 0;
         for (const MasslessRow& row : part.group.rigid) add_to_basis(mechanism, part, row, true);
         part.rigid_rank = part.rank;

@@ -32,8 +32,10 @@ public:
     /// τ [s]
     double relaxation(size_t i) const { return parts_[as_size(part_of_[i])].group.relaxation; }
 
-    /// Finds the parts of the space of motions where the frames are at t_n. reach: of every inner frame [m].
-    void look(const Mechanism& mechanism, std::span<const double> reach);
+    /// Before look(). reach: of every inner frame [m].
+    void set_reach(std::span<const double> reach);
+    /// Finds the parts of the space of motions where the frames are at t_n.
+    void look(const Mechanism& mechanism);
 
     /// Forces on a frame in its own axes that must vanish: over the step, at its end, half way through it.
     struct Residual {
@@ -46,7 +48,7 @@ private:
     /// Massless frames that rigid directions join.
     struct Part {
         MasslessGroup group;
-        Eigen::VectorXd unit;                         ///< of its motions: 1, or a rotation that moves the reach by one
+        Eigen::VectorXd unit;                         ///< of its motions: 1 of translations, 1/reach of rotations [1/m]
         Eigen::MatrixXd basis;                        ///< orthonormal: what is rigid, what is damped
         int rigid_rank = 0, rank = 0;                 ///< of the former, of both
         bool is_rigid = false;                        ///< altogether: nothing is left for another balance, wherever it goes

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "cli/modes_run.h"
+#include "support/random_machine.h"
 
 namespace dttmm::host {
 namespace {
@@ -393,6 +394,29 @@ rotational_stiffness = 100
     ended = run_dttmm(folder.path(), {"frf", "apart.toml", "--in", "tip.x", "--out", "stone.x", "--from", "1 Hz", "--to",
                                       "2 Hz", "--points", "2", "-o", "out"});
     EXPECT_EQ(ended.err, "warning: stone.x does not move under tip.x: no element or joint leads from one to the other\n");
+}
+
+// Oracle: similarity. A machine of stiff parts and rigid directions, 2^20 times as heavy and stiff or 2^10 times as large,
+// answers alike in its own units. Elimination in the units of the file would differ by a percent.
+TEST(Frf, OfStiffPartsInAnyUnits) {
+    const auto receptances = [](const test::Units& units) {
+        const test::RandomMachine machine(56, 40, {}, units);
+        std::vector<Complex> all;
+        const TemporaryFolder folder;
+        write_text(folder / "model.toml", "format = \"dttmm/1\"\n" + machine.text());
+        const Ended ended = run_dttmm(folder.path(), {"frf", "model.toml", "--in", "b0.x", "--out", "b0.x", "--from", "0.5",
+                                                      "--to", "200", "--points", "60", "--log", "-o", "out", "-q"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        for (const std::vector<double>& row : read_history(folder / "out/frf.csv"))
+            all.push_back(units.stiffness() * Complex(row[kRe], row[kIm]));
+        return all;
+    };
+    const std::vector<Complex> one = receptances({});
+    for (const test::Units& units : {test::Units{1, 0x1p20, 1}, test::Units{0x1p10, 1, 1}}) {
+        const std::vector<Complex> other = receptances(units);
+        ASSERT_EQ(other.size(), one.size());
+        for (size_t i = 0; i < one.size(); ++i) EXPECT_LT(std::abs(other[i] - one[i]), 1e-6 * std::abs(one[i])) << i;
+    }
 }
 
 }  // namespace

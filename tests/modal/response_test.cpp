@@ -35,12 +35,12 @@ Complex6 complex_at(const std::vector<double>& list, size_t place) {
 // Oracle: closed form. A mass on a spring with a damper in turned axes: it carries (k + iωc)/(k + iωc − mω²) of the force.
 // Two cases, and both loads of one of them act together.
 TEST(Response, ASpringCarriesWhatItDeflects) {
-    constexpr double kMass = 1.3, kHertz = 2.9;
+    constexpr double kCarried = 1.3, kHertz = 2.9;
     const Vector3 k(310, 570, 940), c(1.1, 2.3, 0.7);
     NetworkModel model;
     model.node("a", DTTMM_NODE_GROUND, Vector3(0.4, 0.1, -0.2), kTurned);
     model.node("m", DTTMM_NODE_INNER, Vector3(0.4, 0.1, -0.2)).fixed = 0b111000;
-    model.element("mass", "point_mass", {"m"}, {{"mass", {kMass}}});
+    model.element("mass", "point_mass", {"m"}, {{"mass", {kCarried}}});
     model.element("spring", "spring_damper", {"a", "m"},
                   {{"stiffness", {k.x(), k.y(), k.z()}}, {"damping", {c.x(), c.y(), c.z()}}});
     const dttmm_network network = model.description();
@@ -60,7 +60,7 @@ TEST(Response, ASpringCarriesWhatItDeflects) {
         const Complex6 force = complex_at(elements, 4 * n + 2), deflection = complex_at(elements, 4 * n + 3);
         const Eigen::Vector3cd own = kTurned.transpose().cast<Complex>() * forces[n];
         for (Eigen::Index d = 0; d < 3; ++d) {
-            const Complex spring(k(d), w * c(d)), x = own(d) / (spring - kMass * w * w);
+            const Complex spring(k(d), w * c(d)), x = own(d) / (spring - kCarried * w * w);
             EXPECT_LT(std::abs(force(d) - spring * x), 1e-10 * std::abs(spring * x)) << n << " " << d;
             EXPECT_LT(std::abs(deflection(d) - x), 1e-10 * std::abs(x)) << n << " " << d;
         }

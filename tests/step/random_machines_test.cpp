@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "model/error.h"
@@ -62,7 +63,7 @@ double unit_of(const std::string& unit, const Units& units) {
                                                {"N", units.force()},
                                                {"N*m", units.force() * units.length},
                                                {"J", units.force() * units.length},
-                                               {"Pa", units.force() / units.turning()},
+                                               {"Pa", units.force() / units.area()},
                                                {"rad", 1},
                                                {"", 1},
                                                {"1", 1}};
@@ -78,6 +79,7 @@ std::map<std::string, double> differences(const RecordedRun& one, const Recorded
             const double start = unit == "m" ? 1 : 0;
             const double x = one.rows()[n][c] - start * one.rows()[0][c],
                          y = (other.rows()[n][c] - start * other.rows()[0][c]) / unit_of(unit, units);
+            EXPECT_TRUE(std::isfinite(y));
             largest[unit] = std::max(largest[unit], std::abs(x));
             apart[unit] = std::max(apart[unit], std::abs(x - y));
         }
@@ -85,37 +87,47 @@ std::map<std::string, double> differences(const RecordedRun& one, const Recorded
     return apart;
 }
 
-void expect_similar(uint64_t seed, const Units& units) {
-    const RecordedRun one(RandomMachine(seed, kShort).text()), other(RandomMachine(seed, kShort, {}, units).text());
+/// A machine against itself at another scale. Bounds are some four times what rounding makes of 60 machines at six scales.
+void expect_similar(const RecordedRun& one, uint64_t seed, const Units& units) {
+    const RecordedRun other(RandomMachine(seed, kShort, {}, units).text());
     ASSERT_EQ(one.count(), other.count());
+    const std::map<std::string, double> bounds = {{"m", 3e-6},   {"rad", 2e-5}, {"J", 3e-6},    {"N", 1e-4},
+                                                  {"N*m", 1e-4}, {"Pa", 3e-5},  {"m/s^2", 2e-3}};
     for (const auto& [unit, apart] : differences(one, other, units)) {
-        // Velocities at an instant of what is light and stiff are rounding; accelerations have some of that
-        if (unit == "m/s" || unit.starts_with("rad/s")) continue;
-        EXPECT_LT(apart, unit == "m/s^2" ? 2e-3 : 1e-4)
+        // Velocities at an instant are left out: those of nodes with next to no mass on stiff parts are rounding
+        if (unit == "m/s" || unit == "rad/s") continue;
+        const auto bound = bounds.find(unit);
+        EXPECT_LT(apart, bound == bounds.end() ? 1e-9 : bound->second)
             << seed << ", " << unit << ", scaled by " << units.length << ", " << units.mass << ", " << units.time;
     }
 }
 
 // Oracle: similarity. A machine of the same shape, larger or heavier or slower by powers of two, moves in the same way: no
-// number of the solver has the unit of a metre, a kilogram or a second.
+// number of the solver with the unit of a metre, a kilogram or a second decides.
 TEST(RandomMachines, MoveInTheSameWayAtEveryScale) {
-    for (const Units& units : {Units{1, 0x1p-20, 1}, Units{1, 0x1p20, 1}, Units{0x1p10, 1, 1}, Units{0x1p-10, 1, 1},
-                               Units{1, 1, 0x1p8}, Units{0x1p-10, 0x1p-20, 0x1p-10}}) {
-        size_t compared = 0;
-        for (uint64_t seed = 1; seed <= kMachines; ++seed) try {
-                expect_similar(seed, units);
-                ++compared;
-            } catch (const Error&) {  // a rigid direction that both its ends hold
-            }
-        EXPECT_GT(compared, kMachines * 9 / 10);
+    size_t compared = 0;
+    for (uint64_t seed = 1; seed <= kMachines; ++seed) {
+        std::optional<RecordedRun> one;
+        try {
+            one.emplace(RandomMachine(seed, kShort).text());
+        } catch (const Error&) {  // a rigid direction that both its ends hold
+            continue;
+        }
+        for (const Units& units : {Units{1, 0x1p-20, 1}, Units{1, 0x1p20, 1}, Units{0x1p10, 1, 1}, Units{0x1p-10, 1, 1},
+                                   Units{1, 1, 0x1p8}, Units{0x1p-10, 0x1p-20, 0x1p-10}})
+            expect_similar(*one, seed, units);
+        ++compared;
     }
+    EXPECT_GT(compared, kMachines * 9 / 10);
 }
 
 // Oracle: similarity. With a millionth of the mass: massless nodes on rigid directions beside bodies.
 TEST(RandomMachines, OfMilligramsMoveLikeThoseOfKilograms) {
-    for (const uint64_t seed : {67, 102, 109, 202, 210, 230, 248})
+    for (const uint64_t seed : {67, 102, 109, 202, 210, 230, 248}) {
+        const RecordedRun one(RandomMachine(seed, kShort).text());
         for (const Units& units : {Units{1, 0x1p-20, 1}, Units{1, 0x1p-21, 1}, Units{0x1p-10, 0x1p-20, 0x1p-10}})
-            expect_similar(seed, units);
+            expect_similar(one, seed, units);
+    }
 }
 
 }  // namespace

@@ -19,13 +19,13 @@ struct Placement {
     Eigen::Vector3d way = Eigen::Vector3d::Zero();
 };
 
-/// What a machine of the same shape has instead of a metre, a kilogram and a second: powers of two change no digit.
+/// Scale factors of a machine of the same shape. Powers of two change no digit.
 struct Units {
     double length = 1, mass = 1, time = 1;
 
     double force() const { return mass * length / (time * time); }
     double stiffness() const { return mass / (time * time); }
-    double turning() const { return length * length; }  ///< of stiffnesses and dampings, of masses
+    double area() const { return length * length; }
 };
 
 /// A model file drawn from a seed: bodies light and heavy in a tree, held by springs, ideal joints, beams, rods and chains
@@ -147,7 +147,7 @@ private:
             return Eigen::Vector3d(size * x, size * y, size * z);
         };
         const Eigen::Vector3d way = units_.stiffness() * three(k),
-                              turn = units_.stiffness() * units_.turning() * three(k * arm * arm);
+                              turn = units_.stiffness() * units_.area() * three(k * arm * arm);
         parts_ +=
             element("spring_damper") + fmt::format("from = \"{}\"\nto = \"{}\"\nstiffness = {}\nrotational_stiffness = {}\n",
                                                    from, to, list(way), list(turn));
@@ -184,7 +184,7 @@ private:
                     element("point_mass") + fmt::format("at = \"{}\"\nmass = {:.17g}\n", node, units_.mass * power(-2, 1));
             } else if (chance(0.5)) {
                 const double mass = power(-1, 1), size = mass * std::pow(uniform(0.05, 0.2), 2),
-                             inertia = units_.mass * units_.turning();
+                             inertia = units_.mass * units_.area();
                 parts_ += element("rigid_body") +
                           fmt::format(
                               "at = \"{}\"\nmass = {:.17g}\ncenter_of_mass = {}\ninertia = {{ xx = {:.17g}, yy = "
@@ -202,9 +202,9 @@ private:
             const std::string others =
                 chance(0.5) ? fmt::format("x = {}", unit * 3e6) : fmt::format("y = {}, z = {}", unit * 4e5, unit * 7e6);
             const double k = stiffness(bodies_[static_cast<size_t>(to)].mass) * 0.01;
-            parts_ += element("elastic_hinge") +
-                      fmt::format("from = \"{}\"\nto = \"{}\"\nstiffness = {{ {} = {:.17g}, {} }}\n", node, end(to, 1),
-                                  kAxes[pick(3)], unit * units_.turning() * k, others);
+            parts_ +=
+                element("elastic_hinge") + fmt::format("from = \"{}\"\nto = \"{}\"\nstiffness = {{ {} = {:.17g}, {} }}\n",
+                                                       node, end(to, 1), kAxes[pick(3)], unit * units_.area() * k, others);
         } else {
             add_beam(here, end(to, 1));
         }

@@ -6,13 +6,13 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <type_traits>
 
 #include "core/error.h"
+#include "modal/balanced_lu.h"
 
 namespace dttmm::plugin {
 
@@ -187,13 +187,13 @@ void DampedModes::improve(DampedMode& mode, Eigen::VectorXcd& x) {
     Eigen::VectorXcd best = whole, best_slope = whole;
     if (start != 0.0) mode.correction = std::numeric_limits<double>::infinity();
     Complex s = start;
+    BalancedLu lu;
     for (int pass = 0; pass < kMostPasses && start != 0.0; ++pass) {
         const double step = 1e-5 * std::abs(s);
         const Eigen::SparseMatrix<Complex> A = solver_.assemble(s, kExact);
         const Eigen::SparseMatrix<Complex> slope =
             (solver_.assemble(s + step, kExact) - solver_.assemble(s - step, kExact)) / (2 * step);
-        Eigen::SparseLU<Eigen::SparseMatrix<Complex>> lu(A);
-        if (lu.info() != Eigen::Success) break;
+        if (!lu.factor(A)) break;
         deflate(s, whole);
         const Eigen::VectorXcd y = lu.solve(slope * whole);
         const Complex below = (whole.transpose() * y)(0), own = (whole.transpose() * whole)(0);

@@ -58,16 +58,17 @@ void InteriorInstant::form_first_balance() {
 }
 
 /// For massless halves: so that every frame has something. A share of the lightest mass that rigid directions join them to.
-/// Where they join no mass, less than anything weighs: rounding of its forces acts on the bodies.
+/// Where they join none, of the lightest in the network: rounding of what is lent acts on the bodies, and a kilogram moved
+/// those of milligrams.
 std::vector<Vector6> InteriorInstant::lend_masses() const {
     constexpr double kShare = 1e-6;  // solve_first_balance() takes it out again; 1e-2 to 1e-8 give the same digits
-    constexpr double kSmallShare = kShare * kShare;  // of the lightest mass; kilograms in a network without any
+    constexpr double kLight = 1e-6;  // kg, in a network without any mass
     constexpr double kNone = std::numeric_limits<double>::infinity();
     std::vector<double> nearby(inside_.inertias.size(), kNone);
     for (size_t i = 0; i < nearby.size(); ++i)
         if (!inside_.massless.is_massless(i, 0)) nearby[i] = inside_.inertias[i].mass;
-    const double lightest = nearby.empty() ? kNone : *std::ranges::min_element(nearby);
-    const double alone = kSmallShare * (lightest < kNone ? lightest : 1);
+    const double least = nearby.empty() ? kNone : *std::ranges::min_element(nearby),
+                 lightest = least < kNone ? least : kLight;
     for (bool spreads = true; spreads;) {
         spreads = false;
         for (size_t j : inside_.rigid_joints) {
@@ -83,7 +84,7 @@ std::vector<Vector6> InteriorInstant::lend_masses() const {
     }
     std::vector<Vector6> lent(nearby.size(), Vector6::Zero());
     for (size_t i : inside_.massless.frames()) {
-        const double mass = nearby[i] < kNone ? kShare * nearby[i] : alone;
+        const double mass = kShare * (nearby[i] < kNone ? nearby[i] : lightest);
         const double arm = inside_.reach[i] > 0 ? inside_.reach[i] : 1;
         for (int half : {0, 1})
             if (inside_.massless.is_massless(i, half))

@@ -123,7 +123,7 @@ TEST(RandomMachines, MoveInTheSameWayAtEveryScale) {
 
 // Oracle: similarity. With a millionth of the mass: massless nodes on rigid directions beside bodies.
 TEST(RandomMachines, OfMilligramsMoveLikeThoseOfKilograms) {
-    for (const uint64_t seed : {67, 102, 109, 202, 210, 230, 248}) {
+    for (const uint64_t seed : {67u, 102u, 109u, 202u, 210u, 230u, 248u}) {
         const RecordedRun one(RandomMachine(seed, kShort).text());
         for (const Units& units : {Units{1, 0x1p-20, 1}, Units{1, 0x1p-21, 1}, Units{0x1p-10, 0x1p-20, 0x1p-10}})
             expect_similar(one, seed, units);

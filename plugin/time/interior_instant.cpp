@@ -59,16 +59,14 @@ void InteriorInstant::form_first_balance() {
 
 /// For massless halves: so that every frame has something. A share of the lightest mass that rigid directions join them to.
 /// Where they join none, of the lightest in the network: rounding of what is lent acts on the bodies, and a kilogram moved
-/// those of milligrams.
+/// those of milligrams. Where the network has no mass, of a kilogram: bodies of 1e-12 kg feel 1e-11 of their acceleration.
 std::vector<Vector6> InteriorInstant::lend_masses() const {
     constexpr double kShare = 1e-6;  // solve_first_balance() takes it out again; 1e-2 to 1e-8 give the same digits
-    constexpr double kLight = 1e-6;  // kg, in a network without any mass
     constexpr double kNone = std::numeric_limits<double>::infinity();
     std::vector<double> nearby(inside_.inertias.size(), kNone);
     for (size_t i = 0; i < nearby.size(); ++i)
         if (!inside_.massless.is_massless(i, 0)) nearby[i] = inside_.inertias[i].mass;
-    const double least = nearby.empty() ? kNone : *std::ranges::min_element(nearby),
-                 lightest = least < kNone ? least : kLight;
+    const double least = nearby.empty() ? kNone : *std::ranges::min_element(nearby), lightest = least < kNone ? least : 1;
     for (bool spreads = true; spreads;) {
         spreads = false;
         for (size_t j : inside_.rigid_joints) {

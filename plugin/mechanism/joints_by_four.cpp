@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <type_traits>
 
 #include "core/index.h"
 
@@ -12,20 +14,62 @@ namespace {
 
 constexpr size_t kCount = Lanes::kCount;
 
-[[gnu::always_inline]] inline FrameOf<Lanes> gather_frames(const std::vector<Frame>& frames,
-                                                           const uint32_t (&index)[kCount]) {
-    return gather_records<FrameOf>([&](size_t k) -> auto& { return frames[index[k]]; });
+/// What place(index) says for four indices. Asked once: for all the compiler knows, each number stored may be an index.
+[[gnu::always_inline]] inline auto each_of(const uint32_t (&index)[kCount], const auto& place) {
+    return std::array{place(index[0]), place(index[1]), place(index[2]), place(index[3])};
 }
 
-/// Adds forces of four joints to the wrenches on their frames; returns the largest force's square.
-[[gnu::always_inline]] inline double add_wrenches(const JointForceOf<Lanes>& force, const uint32_t (&from)[kCount],
-                                                  const uint32_t (&to)[kCount], std::vector<Vector6>& wrench) {
+/// frame(index): the numbers of one, as in a Frame.
+[[gnu::always_inline]] inline FrameOf<Lanes> gather_frames(const auto& frame, const uint32_t (&index)[kCount]) {
+    static_assert(kIsPlain<FrameOf>);
+    const std::array<const double*, kCount> at = each_of(index, frame);
+    FrameOf<Lanes> four;
+    gather<Frame::kNumbers>({at[0], at[1], at[2], at[3]}, reinterpret_cast<Lanes*>(&four));
+    return four;
+}
+
+/// Frames of a list; and of the host where they are ports.
+auto numbers_in(const std::vector<Frame>& frames) {
+    return [first = frames.data()](uint32_t index) { return numbers_of(first[index]); };
+}
+auto numbers_in(const PortBodies& ports, const dttmm_motion* motions) {
+    static_assert(offsetof(dttmm_motion, position) == 0 && offsetof(dttmm_motion, rotation) == 3 * sizeof(double));
+    return [&ports, motions](uint32_t index) { return ports.seen(as_int(index), motions).position; };
+}
+auto wrenches_in(std::vector<Vector6>& wrenches) {
+    return [first = wrenches.data()](uint32_t index) { return first[index].data(); };
+}
+
+/// What counts of the DamperStates of joints, as take(count, first): without moments that of translations, and the losses.
+[[gnu::always_inline]] inline void for_parts_of_damper(bool turns, const auto& take) {
+    static_assert(kIsPlain<DamperStateOf>);
+    constexpr int kOne = sizeof(double), kTranslations = sizeof(DamperState::Half) / kOne,
+                  kLosses = offsetof(DamperState, dissipated) / kOne;
+    if (turns) return take(std::integral_constant<int, DamperState::kNumbers>{}, 0);
+    take(std::integral_constant<int, kTranslations>{}, 0);
+    take(std::integral_constant<int, DamperState::kNumbers - kLosses>{}, kLosses);
+}
+[[gnu::always_inline]] inline void gather_dampers(bool turns, const std::array<const double*, kCount>& at,
+                                                  DamperStateOf<Lanes>& four) {
+    for_parts_of_damper(turns, [&]<int N>(std::integral_constant<int, N>, int first) {
+        gather<N>({at[0] + first, at[1] + first, at[2] + first, at[3] + first}, reinterpret_cast<Lanes*>(&four) + first);
+    });
+}
+[[gnu::always_inline]] inline void scatter_dampers(bool turns, const DamperStateOf<Lanes>& four,
+                                                   const std::array<double*, kCount>& at) {
+    for_parts_of_damper(turns, [&]<int N>(std::integral_constant<int, N>, int first) {
+        scatter<N>(reinterpret_cast<const Lanes*>(&four) + first,
+                   {at[0] + first, at[1] + first, at[2] + first, at[3] + first});
+    });
+}
+
+/// Adds forces of four joints to the wrenches on their frames, wrench(index).
+[[gnu::always_inline]] inline void add_wrenches(const JointForceOf<Lanes>& force, const uint32_t (&from)[kCount],
+                                                const uint32_t (&to)[kCount], const auto& wrench) {
     JointForce each[kCount];
     scatter_records(
         force, [&](size_t k) -> auto& { return each[k]; });
-    for (size_t k = 0; k < kCount; ++k) Joint::add_wrench(each[k], wrench[from[k]].data(), wrench[to[k]].data());
-    const Lanes squared = squared_norm(force.force);
-    return std::max({squared[0], squared[1], squared[2], squared[3]});
+    for (size_t k = 0; k < kCount; ++k) Joint::add_wrench(each[k], wrench(from[k]), wrench(to[k]));
 }
 
 bool have_axes_alike(const JointAxesOf<double>& a, const JointAxesOf<double>& b) {
@@ -62,6 +106,7 @@ void JointsByFour::take(const Mechanism& mechanism, std::span<const size_t> four
     for (size_t k = 0; k < kCount; ++k) {
         joints[k] = &mechanism.joints[four[k]];
         taken.joint[k] = static_cast<uint32_t>(four[k]);
+        if (taken.keeps_rates) taken.damper[k] = static_cast<uint32_t>(mechanism.damper_of[four[k]]);
         taken.from[k] = static_cast<uint32_t>(joints[k]->from());
         taken.to[k] = static_cast<uint32_t>(joints[k]->to());
         const JointSeat& seat = joints[k]->seat();
@@ -110,58 +155,84 @@ void JointsByFour::take_axes(std::span<const Joint* const> four) {
     }
 }
 
-DTTMM_WIDE double JointsByFour::add_forces(const Mechanism& mechanism, const std::vector<Frame>& trial,
-                                           std::vector<Vector6>& wrench) const {
+[[gnu::always_inline]] inline double JointsByFour::add_forces_at(const Mechanism& mechanism, const auto& frame,
+                                                                 const auto& wrench) const {
     double largest = 0;
     for (const Four& four : fours_) {
-        const FrameOf<Lanes> from = gather_frames(trial, four.from), to = gather_frames(trial, four.to);
+        const FrameOf<Lanes> from = gather_frames(frame, four.from), to = gather_frames(frame, four.to);
         const SpringsOf<Lanes>& springs = springs_[four.springs];
         const JointAxesOf<Lanes>& axes = axes_[four.axes];
         const JointPoseOf<Lanes> pose = four.point.pose(axes, from, to);
         const StrainedOf<Lanes> end = springs.strain(four.point.rest, pose, axes.axes_at_to(to), !four.keeps_rates);
-        const auto state = gather_records<JointStateOf>([&](size_t k) -> auto& { return mechanism.states[four.joint[k]]; });
+        const auto states = each_of(four.joint, [&](uint32_t j) { return &mechanism.states[j]; });
+        const auto state = gather_records<JointStateOf>([&](size_t k) -> auto& { return *states[k]; });
         JointForceOf<Lanes> force;
         if (four.keeps_rates) {
-            const auto damper =
-                gather_records<DamperStateOf>([&](size_t k) -> auto& { return *mechanism.damper(four.joint[k]); });
+            DamperStateOf<Lanes> damper;
+            gather_dampers(springs.turns, each_of(four.damper, [&](uint32_t d) { return numbers_of(mechanism.dampers[d]); }),
+                           damper);
             force = springs.weigh(mechanism.scheme, end, pose, state, &damper);
         } else {
             force = springs.weigh(mechanism.scheme, end, pose, state, nullptr);
         }
-        largest = std::max(largest, add_wrenches(force, four.from, four.to, wrench));
+        add_wrenches(force, four.from, four.to, wrench);
+        const Lanes squared = squared_norm(force.force);
+        largest = std::max({largest, squared[0], squared[1], squared[2], squared[3]});
     }
     return largest;
 }
 
-DTTMM_WIDE void JointsByFour::advance(Mechanism& mechanism, const std::vector<Frame>& next,
-                                      std::vector<Vector6>& wrench) const {
+[[gnu::always_inline]] inline void JointsByFour::advance_at(Mechanism& mechanism, const auto& frame,
+                                                            const auto& wrench) const {
+    constexpr bool kAddsForces = !std::is_null_pointer_v<std::remove_cvref_t<decltype(wrench)>>;
     for (const Four& four : fours_) {
-        const FrameOf<Lanes> from = gather_frames(next, four.from), to = gather_frames(next, four.to);
+        const FrameOf<Lanes> from = gather_frames(frame, four.from), to = gather_frames(frame, four.to);
         const SpringsOf<Lanes>& springs = springs_[four.springs];
         const JointAxesOf<Lanes>& axes = axes_[four.axes];
         const JointPoseOf<Lanes> pose = four.point.pose(axes, from, to);
         const StrainedOf<Lanes> end = springs.strain(four.point.rest, pose, axes.axes_at_to(to));
-        const auto state_of = [&](size_t k) -> auto& { return mechanism.states[four.joint[k]]; };
+        const auto states = each_of(four.joint, [&](uint32_t j) { return &mechanism.states[j]; });
+        const auto state_of = [&](size_t k) -> auto& { return *states[k]; };
         auto state = gather_records<JointStateOf>(state_of);
         const auto pose_now = [&] {
-            return four.point.pose(axes, gather_frames(mechanism.frames, four.from),
-                                   gather_frames(mechanism.frames, four.to));
+            const auto now = numbers_in(mechanism.frames);
+            return four.point.pose(axes, gather_frames(now, four.from), gather_frames(now, four.to));
         };
         const auto move_on = [&](DamperStateOf<Lanes>* damper) {
-            const JointForceOf<Lanes> force = springs.weigh(mechanism.scheme, end, pose, state, damper);
+            if constexpr (kAddsForces)
+                add_wrenches(springs.weigh(mechanism.scheme, end, pose, state, damper), four.from, four.to, wrench);
             springs.advance(mechanism.scheme, end, pose, pose_now, state, damper);
-            add_wrenches(force, four.from, four.to, wrench);
         };
         if (four.keeps_rates) {
-            const auto damper_of = [&](size_t k) -> auto& { return *mechanism.damper(four.joint[k]); };
-            auto damper = gather_records<DamperStateOf>(damper_of);
+            const auto at = each_of(four.damper, [&](uint32_t d) { return numbers_of(mechanism.dampers[d]); });
+            DamperStateOf<Lanes> damper;
+            gather_dampers(springs.turns, {at[0], at[1], at[2], at[3]}, damper);
             move_on(&damper);
-            scatter_records(damper, damper_of);
+            scatter_dampers(springs.turns, damper, at);
         } else {
             move_on(nullptr);
         }
         scatter_records(state, state_of);
     }
+}
+
+DTTMM_WIDE double JointsByFour::add_forces(const Mechanism& mechanism, const std::vector<Frame>& trial,
+                                           std::vector<Vector6>& wrench) const {
+    return add_forces_at(mechanism, numbers_in(trial), wrenches_in(wrench));
+}
+
+DTTMM_WIDE void JointsByFour::advance(Mechanism& mechanism, const std::vector<Frame>& next,
+                                      std::vector<Vector6>& wrench) const {
+    advance_at(mechanism, numbers_in(next), wrenches_in(wrench));
+}
+
+DTTMM_WIDE void JointsByFour::add_forces(const PortBodies& ports, const dttmm_motion* trial, double* wrenches) const {
+    add_forces_at(ports.mechanism, numbers_in(ports, trial),
+                  [&](uint32_t frame) { return ports.on_body(as_int(frame), wrenches); });
+}
+
+DTTMM_WIDE void JointsByFour::advance(Mechanism& mechanism, const PortBodies& ports, const dttmm_motion* next) const {
+    advance_at(mechanism, numbers_in(ports, next), nullptr);
 }
 
 }  // namespace dttmm::plugin

@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "mechanism/mechanism.h"
+#include "mechanism/port_bodies.h"
 
 namespace dttmm::plugin {
 
-/// Joints without rigid directions worked out four at a time: what a long chain spends its steps on. The formulas are those
-/// of a single Joint; only rounding differs, where sums run in another order or a four has mixed seats. Holds copies of what
-/// of the joints never changes.
+/// Joints without rigid directions worked out four at a time: what a long chain, or a machine on many bolts, spends its
+/// steps on. The formulas are those of a single Joint; only rounding differs, where sums run in another order or a four has
+/// mixed seats. Holds copies of what of the joints never changes.
 class JointsByFour {
 public:
     JointsByFour() = default;
@@ -27,15 +28,22 @@ public:
     double add_forces(const Mechanism& mechanism, const std::vector<Frame>& trial, std::vector<Vector6>& wrench) const;
     /// The same forces when the step does end there; the joints' memory moves on. mechanism.frames: still at t_n.
     void advance(Mechanism& mechanism, const std::vector<Frame>& next, std::vector<Vector6>& wrench) const;
+    /// The same where all frames are ports or ground: the host has the trial, and takes the wrenches on its bodies.
+    void add_forces(const PortBodies& ports, const dttmm_motion* trial, double* wrenches) const;
+    void advance(Mechanism& mechanism, const PortBodies& ports, const dttmm_motion* next) const;
 
 private:
     using Indices = uint32_t[Lanes::kCount];
     struct Four {
         JointPointOf<Lanes> point;
         Indices joint, from, to;  ///< from, to: frames
+        Indices damper;           ///< their DamperStates
         uint32_t springs, axes;   ///< indices into those below
-        bool keeps_rates;         ///< they have a DamperState
+        bool keeps_rates;         ///< they have such
     };
+    // frame(index): the numbers of a Frame; wrench(index): where to add to the wrench on it, NULL: nowhere
+    double add_forces_at(const Mechanism& mechanism, const auto& frame, const auto& wrench) const;
+    void advance_at(Mechanism& mechanism, const auto& frame, const auto& add_wrenches) const;
     void take(const Mechanism& mechanism, std::span<const size_t> four);
     void take_springs(std::span<const Joint* const> four);
     void take_axes(std::span<const Joint* const> four);

@@ -229,7 +229,7 @@ template <class Real>
         }
         damper->dissipated += damper->last_loss;
         damper->last_loss = 0;
-        for (int i : {0, 1}) {
+        for (int i = 0; i < (turns ? 2 : 1); ++i) {
             typename Damper::Half& half = damper->halves[i];
             half.delta[2] = half.delta[1];
             half.delta[1] = half.delta[0];

@@ -13,6 +13,8 @@ BodyJoints::BodyJoints(Mechanism& mechanism, const PortBodies& bodies, const Por
         for (int d = 0; d < 6; ++d)
             if (mechanism.joints[j].law().laws[as_size(d)]) law_looks_.push_back({j, d, 0, 0, 0});
     }
+    by_four_ = {mechanism, linear_};
+    singles_ = by_four_.others();
 }
 
 void BodyJoints::linearise(const dttmm_motion* motions, double* wrench, double* stiffness, double* damping) const {
@@ -56,7 +58,9 @@ double BodyJoints::find_worst_prediction(const dttmm_motion* motions) {
 
 void BodyJoints::evaluate(const dttmm_motion* motions, double* wrench, double* stiffness) const {
     if (mechanism_.scheme.is_implicit()) {
-        evaluate_linear(motions, wrench, stiffness);
+        by_four_.add_forces(bodies_, motions, wrench);
+        evaluate_singles(motions, wrench);
+        if (stiffness) add_stiffness_of_linear(motions, stiffness);
         evaluate_with_laws(motions, wrench, stiffness);
         return;
     }
@@ -77,14 +81,18 @@ void BodyJoints::evaluate(const dttmm_motion* motions, double* wrench, double* s
     blocks_.add(j, joint.acting_stiffness(end, at.from, at.to, acting), stiffness);
 }
 
-DTTMM_WIDE void BodyJoints::evaluate_linear(const dttmm_motion* motions, double* wrench, double* stiffness) const {
-    for (size_t j : linear_) {
+DTTMM_WIDE void BodyJoints::evaluate_singles(const dttmm_motion* motions, double* wrench) const {
+    for (size_t j : singles_) {
         const Joint& joint = mechanism_.joints[j];
-        const Ends at = bodies_.seen(joint, motions);
-        bodies_.add_wrench(joint, joint.over_step(mechanism_.scheme, at, mechanism_.states[j], mechanism_.damper(j)),
-                           wrench);
-        if (stiffness) add_stiffness(j, at, stiffness);
+        bodies_.add_wrench(
+            joint,
+            joint.over_step(mechanism_.scheme, bodies_.seen(joint, motions), mechanism_.states[j], mechanism_.damper(j)),
+            wrench);
     }
+}
+
+DTTMM_WIDE void BodyJoints::add_stiffness_of_linear(const dttmm_motion* motions, double* stiffness) const {
+    for (size_t j : linear_) add_stiffness(j, bodies_.seen(mechanism_.joints[j], motions), stiffness);
 }
 
 /// Not wide: what throws must not pass a function that is compiled for several processors (g++ 12 ends the process then).
@@ -108,11 +116,13 @@ void BodyJoints::commit(const dttmm_motion* motions, std::vector<Frame>& earlier
         const auto [from, to] = bodies_.seen(joint, motions);
         joint.refuse_large_rotation(from, to);
     }
-    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
-        const Joint& joint = mechanism_.joints[j];
-        joint.advance(mechanism_.scheme, bodies_.seen(joint, motions), mechanism_.ends(j), mechanism_.states[j],
-                      mechanism_.damper(j), mechanism_.law_memory_of(j), nullptr);
-    }
+    by_four_.advance(mechanism_, bodies_, motions);
+    for (const auto* list : {&singles_, &with_laws_})
+        for (size_t j : *list) {
+            const Joint& joint = mechanism_.joints[j];
+            joint.advance(mechanism_.scheme, bodies_.seen(joint, motions), mechanism_.ends(j), mechanism_.states[j],
+                          mechanism_.damper(j), mechanism_.law_memory_of(j), nullptr);
+        }
     earlier.swap(mechanism_.before);
     mechanism_.before.swap(mechanism_.frames);
     for (int p = 0; p < bodies_.count(); ++p) mechanism_.frames[as_size(p)] = bodies_.seen(p, motions).copy();

@@ -3,8 +3,9 @@
 
 #include <vector>
 
+#include "mechanism/joints_by_four.h"
+#include "mechanism/port_bodies.h"
 #include "time/port_blocks.h"
-#include "time/port_bodies.h"
 
 namespace dttmm::plugin {
 
@@ -25,7 +26,8 @@ public:
     void commit(const dttmm_motion* motions, std::vector<Frame>& earlier);
 
 private:
-    void evaluate_linear(const dttmm_motion* motions, double* wrench, double* stiffness) const;
+    void evaluate_singles(const dttmm_motion* motions, double* wrench) const;
+    void add_stiffness_of_linear(const dttmm_motion* motions, double* stiffness) const;
     void evaluate_with_laws(const dttmm_motion* motions, double* wrench, double* stiffness) const;
     void add_stiffness(size_t joint, Ends at, double* stiffness) const;
 
@@ -33,6 +35,8 @@ private:
     PortBodies bodies_;
     const PortBlocks& blocks_;
     std::vector<size_t> linear_, with_laws_;
+    JointsByFour by_four_;         ///< of the linear ones
+    std::vector<size_t> singles_;  ///< those that it does not take
     /// A direction with a law at the trial last looked at: its deformation, force over the step and gain.
     struct LawLook {
         size_t joint;

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "mechanism/port_bodies.h"
 #include "time/interior.h"
-#include "time/port_bodies.h"
 
 namespace dttmm::plugin {
 

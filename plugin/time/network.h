@@ -7,13 +7,13 @@
 #include "core/centring.h"
 #include "dttmm_plugin.h"
 #include "mechanism/mechanism.h"
+#include "mechanism/port_bodies.h"
 #include "statics/static_network.h"
 #include "time/body_joints.h"
 #include "time/instant.h"
 #include "time/interior.h"
 #include "time/network_results.h"
 #include "time/port_blocks.h"
-#include "time/port_bodies.h"
 
 namespace dttmm::plugin {
 

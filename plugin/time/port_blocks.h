@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "time/port_bodies.h"
+#include "mechanism/port_bodies.h"
 
 namespace dttmm::plugin {
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "coupling/step_equations.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 
@@ -93,10 +92,7 @@ void StepEquations::correct(const std::vector<BodyState>& now, const std::vector
 
 double StepEquations::residual(const std::vector<BodyState>& now, const std::vector<double>& wrenches) const {
     double sum = 0;
-    for (size_t b = 0; b < now.size(); ++b) {
-        const Eigen::Matrix<double, 6, 1> r = residual_of(b, now[b], wrenches);
-        sum += r.dot(inertias_[b].block(now[b].rotation).ldlt().solve(r));
-    }
+    for (size_t b = 0; b < now.size(); ++b) sum += inertias_[b].energy_of(now[b].rotation, residual_of(b, now[b], wrenches));
     return sum;
 }
 

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "coupling/end_of_step.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "model/error.h"
+#include "model/read_model.h"
 #include "step/simulation.h"
 #include "support/models.h"
 
@@ -340,6 +343,45 @@ TEST(EndOfStep, ALinearModelTakesOnePassPerStep) {
     EXPECT_LT(simulation.end_of_step().passes(), 1250);
     EXPECT_GT(simulation.end_of_step().passes(), 1000);
     EXPECT_EQ(simulation.end_of_step().factorisations(), 1);
+}
+
+// Oracle: 1e-8 of the speed of the body, which goes on at 2 m/s.
+TEST(EndOfStep, ODEMayMoveBodiesOtherwiseThanPredictedByAHundredMillionth) {
+    const Plugins plugins;
+    const Model model = parse_model(R"toml(
+format = "dttmm/1"
+[simulation]
+duration = "1 s"
+step = "1 ms"
+[[body]]
+name = "block"
+mass = 3
+inertia = [0.1, 0.2, 0.3]
+velocity = [2, 0, 0]
+[[joint]]
+name = "guide"
+type = "slider"
+between = ["ground", "block"]
+anchor = [0, 0, 0]
+axis = [1, 0, 0]
+)toml",
+                                    "block.toml", plugins.catalogue());
+    Simulation simulation(model, plugins);
+    for (int n = 0; n < 20; ++n) simulation.step();
+    const auto refuses = [&](double share) {
+        std::vector<BodyState> after = simulation.bodies();
+        after[0].velocity.y() += share * 2;
+        try {
+            simulation.end_of_step().confirm(after);
+        } catch (const Error& error) {
+            EXPECT_THAT(error.what(), testing::HasSubstr("move body \"block\" otherwise than predicted"));
+            return true;
+        }
+        return false;
+    };
+    EXPECT_FALSE(refuses(0));
+    EXPECT_FALSE(refuses(0.8e-8));
+    EXPECT_TRUE(refuses(1.25e-8));
 }
 
 }  // namespace

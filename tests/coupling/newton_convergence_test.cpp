@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 namespace dttmm::host {
@@ -91,23 +92,76 @@ TEST(NewtonConvergence, TakesForRoundingWhatNoLongerFalls) {
     EXPECT_EQ(pass_done(unbalanced, noise(0.5e-7, 1e-6)), 0);
 }
 
-TEST(NewtonConvergence, TakesForRoundingWhatNoLongerFallsNearIt) {
-    const auto done = [](double size) {  // of what hardly moves; 1e-15 is rounding
-        std::vector<dttmm_progress> passes;
-        for (int n = 0; n < 9; ++n) passes.push_back({size, n == 0 ? 0 : size, 1e-9, 1e-15, 0, 1, 0, -1});
-        NewtonConvergence bodies(NewtonConvergence::kBodies);
-        return pass_done(bodies, passes);
-    };
-    EXPECT_EQ(done(6e-15), 5);
-    EXPECT_EQ(done(19e-15), 0);
-}
-
 TEST(NewtonConvergence, FindsBodiesToRounding) {
     NewtonConvergence bodies(NewtonConvergence::kBodies);
     EXPECT_EQ(pass_done(bodies, {part(1e-2, 0), part(1e-6, 1e-2), part(1e-10, 1e-6)}), 3);
     NewtonConvergence linear(NewtonConvergence::kBodies);
     EXPECT_EQ(pass_done(linear, {part(1e-2, 0), part(1e-16, 1e-2)}), 2);
     EXPECT_EQ(pass_done(linear, {part(1e-2, 0)}), 1) << "what is at rounding at the second pass tells of the first";
+}
+
+// What follows holds every limit between 0.8 and 1.25 times itself: at half and at twice of it a line fails.
+
+constexpr double kBelow = 0.8, kAbove = 1.25;
+
+/// By how many passes a contraction from the correction `first` is done where `left` of it remain after the second,
+/// c²/first.
+int done_with_left(const NewtonConvergence::Limits& limits, double first, double left) {
+    NewtonConvergence convergence(limits);
+    const double second = std::sqrt(first * left);
+    return pass_done(convergence, {{first, 0, 1, 1e-30, 0, 1, 0, -1}, {second, first, 1, 1e-30, 0, 1, 0, -1}});
+}
+
+TEST(NewtonConvergence, LimitsOfTheMotion) {
+    EXPECT_EQ(done_with_left(NewtonConvergence::kBodies, 1e-3, kBelow * 1e-13), 2);
+    EXPECT_EQ(done_with_left(NewtonConvergence::kBodies, 1e-3, kAbove * 1e-13), 0);
+    EXPECT_EQ(done_with_left(NewtonConvergence::kInside, 1e3, kBelow * 1e-6), 2);
+    EXPECT_EQ(done_with_left(NewtonConvergence::kInside, 1e3, kAbove * 1e-6), 0);
+}
+
+TEST(NewtonConvergence, LimitOfTheFirstCorrection) {
+    EXPECT_EQ(done_with_left(NewtonConvergence::kInside, 1e-3, kBelow * 1e-9), 2);
+    EXPECT_EQ(done_with_left(NewtonConvergence::kInside, 1e-3, kAbove * 1e-9), 0);
+}
+
+TEST(NewtonConvergence, LimitOfTheMomentum) {
+    const auto done = [](double left) {  // of an impulse of 1 N s, after a residual of as much
+        NewtonConvergence inside(NewtonConvergence::kInside);
+        return pass_done(inside, {part(1e-2, 0, 1), part(1e-9, 1e-2, std::sqrt(left))});
+    };
+    EXPECT_EQ(done(kBelow * 1e-8), 2);
+    EXPECT_EQ(done(kAbove * 1e-8), 0);
+}
+
+TEST(NewtonConvergence, LimitsOfWhatNoLongerFalls) {
+    const auto done = [](const NewtonConvergence::Limits& limits, double size, double motion) {
+        NewtonConvergence convergence(limits);
+        std::vector<dttmm_progress> passes;
+        for (int n = 0; n < 9; ++n) passes.push_back({size, n == 0 ? 0 : size, motion, 1e-15, 0, 1, 0, -1});
+        return pass_done(convergence, passes);
+    };
+    EXPECT_EQ(done(NewtonConvergence::kBodies, kBelow * 1e-9, 1), 5);
+    EXPECT_EQ(done(NewtonConvergence::kBodies, kAbove * 1e-9, 1), 0);
+    EXPECT_EQ(done(NewtonConvergence::kInside, kBelow * 1e-7, 1), 5);
+    EXPECT_EQ(done(NewtonConvergence::kInside, kAbove * 1e-7, 1), 0);
+    for (const auto& limits : {NewtonConvergence::kBodies, NewtonConvergence::kInside}) {
+        EXPECT_EQ(done(limits, kBelow * 10 * 1e-15, 1e-9), 5) << "near rounding, of what hardly moves";
+        EXPECT_EQ(done(limits, kAbove * 10 * 1e-15, 1e-9), 0);
+    }
+}
+
+TEST(NewtonConvergence, LimitsOfASlowIteration) {
+    const auto is_slow = [](double rate, double correction) {
+        NewtonConvergence bodies(NewtonConvergence::kBodies);
+        bodies.open();
+        bodies.take(part(correction / rate, 0));
+        bodies.take(part(correction, correction / rate));
+        return bodies.is_slow();
+    };
+    EXPECT_FALSE(is_slow(kBelow * 0.1, 1e-3));
+    EXPECT_TRUE(is_slow(kAbove * 0.1, 1e-3));
+    EXPECT_FALSE(is_slow(0.5, kBelow * 10 * 1e-15)) << "near rounding";
+    EXPECT_TRUE(is_slow(0.5, kAbove * 10 * 1e-15));
 }
 
 TEST(NewtonConvergence, ASlowIterationWantsAnotherMatrix) {

@@ -1130,6 +1130,28 @@ TEST(Interior, PortsBesideTheLastIterationAreAnsweredLinearly) {
     }
 }
 
+// Oracle: the rate by the definition, in many iterations from slow to fast; some are between 0.8 and 1.25 of the limit.
+TEST(Interior, ACorrectionOfMoreThanATenthOfTheOneBeforeIsSlow) {
+    Bridge bridge;
+    for (int n = 0; n < 10; ++n) bridge.step();
+    int below = 0, above = 0;
+    for (double turn = 1e-3; turn < 0.5; turn *= 1.02) {
+        bridge.network.discard_step();
+        bridge.begin();
+        const auto trial = bridge.motions(11, turn * Vector6::Unit(5));
+        dttmm_progress progress{};
+        bridge.network.iterate(bridge.motions(11).data(), progress);
+        bridge.network.iterate(trial.data(), progress);
+        bridge.network.iterate(trial.data(), progress);
+        const double rate = progress.correction / progress.previous;
+        EXPECT_EQ(progress.element >= 0, rate > 0.1) << turn << ' ' << rate;
+        below += rate > 0.08 && rate <= 0.1;
+        above += rate > 0.1 && rate < 0.125;
+    }
+    EXPECT_GT(below, 0);
+    EXPECT_GT(above, 0);
+}
+
 // Oracle: an instance that was not asked.
 TEST(Interior, PortsThatAreNoNumbersAreRefusedAndForgotten) {
     Bridge told, twin;

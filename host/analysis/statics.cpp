@@ -191,6 +191,12 @@ void print_table(const Model& model, const Vectors& vectors) {
     for (const Joint& joint : model.joints) print_force(joint.name);
 }
 
+/// A load factor at which a motion begins to grow.
+struct CriticalLoad {
+    double factor;
+    std::optional<double> uncertainty;  ///< share of it by which rounding may change it at most; none: not known
+};
+
 /// A machine at rest under a multiple of its forces.
 class Buckling {
 public:
@@ -198,43 +204,51 @@ public:
 
     /// Load factors at which motions begin to grow, ascending: all forces of the machine at rest count so many times, with
     /// the places and the stiffness that it has there. Each factor is enclosed by two counts.
-    std::vector<double> find_factors(int wanted) {
+    std::vector<CriticalLoad> find_factors(int wanted) {
         description_.scale_forces(0);
         ModalInstance instance(description_.plugin(), description_.model());
         is_held_ = instance.count_free().value_or(1) == 0;  // not known: as if something were free
         constexpr double kLargest = 1e9, kSmallest = 1e-9, kNear = 1e-12;
         double high = 1;
         while (count(high) < wanted && high < kLargest) high *= 4;
-        std::vector<double> factors;
+        std::vector<CriticalLoad> factors;
         for (int k = 1; k <= std::min(wanted, count(high)); ++k) {
-            double below = factors.empty() ? 0 : factors.back() * (1 - 1e-9), above = high;
+            double below = factors.empty() ? 0 : factors.back().factor * (1 - 1e-9), above = high;
             while (above - below > kNear * above && above > kSmallest) {
                 const double middle =
                     below > above / 4 ? 0.5 * (below + above) : std::max(0.25 * above, below + 1e-3 * above);
                 (count(middle) >= k ? above : below) = middle;
             }
-            factors.push_back(above);
+            factors.push_back({above, is_held_ ? std::optional(uncertainty(above, k)) : std::nullopt});
         }
         return factors;
     }
 
 private:
-    int count(double factor) {
+    int count(double factor) { return count(factor, is_held_); }
+    /// counts_slow: motions too that grow so slowly that it may be rounding.
+    int count(double factor, bool counts_slow) {
         description_.scale_forces(factor);
-        return as_int(ModalInstance(description_.plugin(), description_.model()).count_growing(is_held_));
+        return as_int(ModalInstance(description_.plugin(), description_.model()).count_growing(counts_slow));
+    }
+    /// How far beyond the factor a motion grows faster than rounding could make it.
+    double uncertainty(double factor, int number) {
+        double share = 1e-9;
+        while (share < 1 && count(factor * (1 + share), false) < number) share *= 2;
+        return share;
     }
 
     ModalDescription description_;
     bool is_held_ = false;
 };
 
-void print_buckling(const std::vector<double>& factors, int wanted) {
+void print_buckling(const std::vector<CriticalLoad>& factors, int wanted) {
     if (factors.empty()) {
         fmt::print("no critical load factor: no motion grows up to 1e9 times its forces\n");
         return;
     }
     std::string list;
-    for (const double factor : factors) list += fmt::format("{}{:.8g}", list.empty() ? "" : ", ", factor);
+    for (const auto& [factor, uncertainty] : factors) list += fmt::format("{}{:.8g}", list.empty() ? "" : ", ", factor);
     fmt::print("critical load {}: {}{}\n", factors.size() == 1 ? "factor" : "factors", list,
                as_int(factors.size()) < wanted ? " (there are no more)" : "");
 }
@@ -248,7 +262,7 @@ struct Found {
     std::string why_not_counted;      ///< why they cannot
     std::optional<FreeMotions> free;  ///< none: not known
     std::string why_free_unknown;     ///< empty: the plugin does not tell
-    std::vector<double> factors;      ///< at which it buckles
+    std::vector<CriticalLoad> factors;
     std::vector<Limit> limits;
 };
 
@@ -449,7 +463,15 @@ void write_summary(JsonWriter& json, const Results& results, const Model& model,
         if (found.growing) member("growing_motions", *found.growing);
         if (found.free) member("free_motions", found.free->count);
         if (found.free && !found.free->names.empty()) member("what_is_free", found.free->names);
-        if (request.statics.buckling > 0) member("critical_load_factors", found.factors);
+        if (request.statics.buckling == 0) return;
+        std::vector<double> factors;
+        Json uncertainties = Json::array();
+        for (const auto& [factor, uncertainty] : found.factors) {
+            factors.push_back(factor);
+            uncertainties.push_back(uncertainty ? Json(*uncertainty) : Json());
+        }
+        member("critical_load_factors", factors);
+        member("critical_load_uncertainties", uncertainties);
     };
     json.member("format", "dttmm-static/1");
     json.member("warnings", describe_warnings(warnings));
@@ -477,6 +499,7 @@ void write_summary(JsonWriter& json, const Results& results, const Model& model,
 
 /// What an equilibrium tells against itself.
 void warn_of(const Found& found, const Results& results, Warnings& warnings) {
+    constexpr double kShown = 1e-6;  // of a critical load: no load is known better
     const std::string place = found.load_case.empty() ? "" : fmt::format("case {}: ", quote(found.load_case));
     if (found.rest.turn > kFar)
         warnings.note("moved-far", fmt::format("{}a body has turned by {:.3g} rad: there may be other equilibria; this is "
@@ -494,6 +517,12 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
     if (!found.why_free_unknown.empty())
         warnings.note("free-motion-unknown",
                       fmt::format("{}it is not known what nothing holds: {}", place, found.why_free_unknown));
+    for (const auto& [factor, uncertainty] : found.factors)
+        if (uncertainty.value_or(0) > kShown)
+            warnings.note("critical-load-uncertain",
+                          fmt::format("{}rounding of the largest stiffness may change the critical load factor {:.8g} by up "
+                                      "to {:.1g} of it",
+                                      place, factor, *uncertainty));
     if (!found.why_not_counted.empty())
         warnings.note("stability-unknown",
                       fmt::format("{}it is not known whether the equilibrium is stable: {}", place, found.why_not_counted));

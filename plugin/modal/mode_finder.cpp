@@ -113,7 +113,7 @@ int ModeFinder::count_growing(bool is_held) {
     stiffness_.cut(0);
     if (stiffness_.stiffest() == 0) return 0;
     const double lowest = lowest_for(0), shift = is_held ? 0 : -kWiden * lowest * lowest;
-    for (const double at : {shift, shift - kBeside * rounding()})
+    for (const double at : {shift, shift - rounding()})  // what hits zero does not grow by more than rounding
         if (const auto count = stiffness_.factor(at, false)) return *count;
     throw Error(DTTMM_ERROR_NUMERIC, "the motions that grow cannot be counted");
 }

@@ -22,7 +22,7 @@ std::optional<FreeMotions> find_free(const Model& model, ModalMachine& machine) 
     if (!count) return std::nullopt;
     FreeMotions free{*count, {}, *count == 0 || model.elements.empty()};
     if (free.is_certain || free.count > FreeMotions::kMostNamed) return free;
-    const std::vector<ModalInstance::Mode> modes = machine.find_modes(machine.count_growing(false) + free.count, 0);
+    const std::vector<ModalInstance::Mode> modes = machine.find_modes(machine.count_growing() + free.count, 0);
     for (uint32_t m = 0; m < modes.size(); ++m) {
         if (modes[m].numbers.frequency != 0) continue;
         const std::string name = motion_in_words(model, machine, modes[m], energies_of(model, machine, modes[m], m));

@@ -66,8 +66,8 @@ std::vector<ModalInstance::Mode> ModalMachine::find_modes(uint32_t count, double
     });
 }
 
-uint32_t ModalMachine::count_growing(bool is_held) {
-    return tell_place(model_, [&] { return instance_.count_growing(is_held); });
+uint32_t ModalMachine::count_growing() {
+    return tell_place(model_, [&] { return instance_.count_growing(0); });
 }
 
 std::optional<uint32_t> ModalMachine::count_free() {

@@ -41,7 +41,8 @@ public:
     }
     /// All up to `below` [Hz], or if that is 0 the first `count`.
     std::vector<ModalInstance::Mode> find_modes(uint32_t count, double below);
-    uint32_t count_growing(bool is_held);
+    /// Motions that grow faster than rounding could make them.
+    uint32_t count_growing();
     std::optional<uint32_t> count_free();
     /// Displacement at a place [6, world].
     Vector6 motion(const ModalPlace& place, const ModalInstance::Mode& mode) const;

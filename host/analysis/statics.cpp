@@ -208,38 +208,62 @@ public:
         description_.scale_forces(0);
         ModalInstance instance(description_.plugin(), description_.model());
         is_held_ = instance.count_free().value_or(1) == 0;  // not known: as if something were free
-        constexpr double kLargest = 1e9, kSmallest = 1e-9, kNear = 1e-12;
-        double high = 1;
-        while (count(high) < wanted && high < kLargest) high *= 4;
+        slack_ = is_held_ ? 1 : kSlack;
+        constexpr double kLargest = 1e9;
+        double high = 1, below = 0;
+        while (count(high, slack_) < wanted && high < kLargest) high *= 4;
         std::vector<CriticalLoad> factors;
-        for (int k = 1; k <= std::min(wanted, count(high)); ++k) {
-            double below = factors.empty() ? 0 : factors.back().factor * (1 - 1e-9), above = high;
-            while (above - below > kNear * above && above > kSmallest) {
-                const double middle =
-                    below > above / 4 ? 0.5 * (below + above) : std::max(0.25 * above, below + 1e-3 * above);
-                (count(middle) >= k ? above : below) = middle;
-            }
-            factors.push_back({above, is_held_ ? std::optional(uncertainty(above, k)) : std::nullopt});
+        for (int k = 1, count_there = count(high, slack_); k <= std::min(wanted, count_there); ++k) {
+            const double found = find_crossing(k, below, high);
+            factors.push_back(judge(found, k));
+            below = found * (1 - 1e-9);
         }
         return factors;
     }
 
 private:
-    int count(double factor) { return count(factor, is_held_); }
-    /// counts_slow: motions too that grow so slowly that it may be rounding.
-    int count(double factor, bool counts_slow) {
+    /// Of dttmm_modal.h: growth that rounding could make is not counted; nor is that of the second look.
+    static constexpr int kSlack = 4, kMoreSlack = 16;
+
+    int count(double factor, int slack) {
         description_.scale_forces(factor);
-        return as_int(ModalInstance(description_.plugin(), description_.model()).count_growing(counts_slow));
+        return as_int(ModalInstance(description_.plugin(), description_.model()).count_growing(slack));
     }
-    /// How far beyond the factor a motion grows faster than rounding could make it.
-    double uncertainty(double factor, int number) {
-        double share = 1e-9;
-        while (share < 1 && count(factor * (1 + share), false) < number) share *= 2;
-        return share;
+    /// The factor from which on so many motions grow.
+    double find_crossing(int number, double below, double above) {
+        constexpr double kSmallest = 1e-9, kNear = 1e-12;
+        while (above - below > kNear * above && above > kSmallest) {
+            const double middle = below > above / 4 ? 0.5 * (below + above) : std::max(0.25 * above, below + 1e-3 * above);
+            (count(middle, slack_) >= number ? above : below) = middle;
+        }
+        return above;
+    }
+    /// By what share beyond a factor so many motions grow in spite of a larger slack; to 1e-6 of that share.
+    std::optional<double> share_beyond(double factor, int number, int slack) {
+        double above = kLeastShare;
+        for (; count(factor * (1 + above), slack) < number; above *= 4)
+            if (above > 1e9) return std::nullopt;
+        double below = above > kLeastShare ? above / 4 : above;
+        while (above - below > 1e-6 * above) {
+            const double middle = 0.5 * (below + above);
+            (count(factor * (1 + middle), slack) >= number ? above : below) = middle;
+        }
+        return above;
+    }
+    /// The squared rate of growth is linear in the factor where it begins.
+    CriticalLoad judge(double found, int number) {
+        if (is_held_) return {found, share_beyond(found, number, kSlack)};
+        const std::optional<double> share = share_beyond(found, number, kMoreSlack);
+        if (!share) return {found, std::nullopt};
+        const double late = found * *share * kSlack / (kMoreSlack - kSlack), factor = found - late;
+        if (factor <= 0) return {found, std::nullopt};
+        return {factor, std::max(late / factor, kLeastShare)};
     }
 
+    static constexpr double kLeastShare = 1e-9;  // of a factor: what a bisection leaves is a thousandth of it
     ModalDescription description_;
     bool is_held_ = false;
+    int slack_ = kSlack;
 };
 
 void print_buckling(const std::vector<CriticalLoad>& factors, int wanted) {
@@ -248,7 +272,7 @@ void print_buckling(const std::vector<CriticalLoad>& factors, int wanted) {
         return;
     }
     std::string list;
-    for (const auto& [factor, uncertainty] : factors) list += fmt::format("{}{:.8g}", list.empty() ? "" : ", ", factor);
+    for (const CriticalLoad& load : factors) list += fmt::format("{}{:.8g}", list.empty() ? "" : ", ", load.factor);
     fmt::print("critical load {}: {}{}\n", factors.size() == 1 ? "factor" : "factors", list,
                as_int(factors.size()) < wanted ? " (there are no more)" : "");
 }
@@ -287,7 +311,7 @@ void look_at_stability(const Request& request, const Model& model, const Plugins
     std::optional<ModalMachine> machine;
     try {
         machine.emplace(model, describe());
-        found.growing = as_int(machine->count_growing(false));
+        found.growing = as_int(machine->count_growing());
     } catch (const Error& error) {
         if (request.statics.buckling > 0) throw;  // asked for; otherwise the equilibrium stands without it
         found.why_not_counted = error.what();
@@ -497,9 +521,31 @@ void write_summary(JsonWriter& json, const Results& results, const Model& model,
     write_model(json, model, plugins.catalogue());
 }
 
+/// Says which critical load rounding may change most.
+void warn_of_rounding(const std::vector<CriticalLoad>& factors, const std::string& place, Warnings& warnings) {
+    constexpr double kShown = 1e-6,
+                     kLarge = 0.1;  // loads are hardly known better than the one; the other makes them useless
+    const auto of = [](const CriticalLoad& load) {
+        return load.uncertainty.value_or(std::numeric_limits<double>::infinity());
+    };
+    const auto worst = std::ranges::max_element(factors, {}, of);
+    if (worst == factors.end() || of(*worst) <= kShown) return;
+    const std::string text =
+        worst->uncertainty
+            ? fmt::format(
+                  "{}rounding of the largest stiffness may change the critical load factor {:.8g} by up to {:.1g} of it",
+                  place, worst->factor, *worst->uncertainty)
+            : fmt::format(
+                  "{}it is not known how much rounding of the largest stiffness changes the critical load factor {:.8g}",
+                  place, worst->factor);
+    if (of(*worst) > kLarge)
+        warnings.add("critical-load-uncertain", text);
+    else
+        warnings.note("critical-load-uncertain", text);
+}
+
 /// What an equilibrium tells against itself.
 void warn_of(const Found& found, const Results& results, Warnings& warnings) {
-    constexpr double kShown = 1e-6;  // of a critical load: no load is known better
     const std::string place = found.load_case.empty() ? "" : fmt::format("case {}: ", quote(found.load_case));
     if (found.rest.turn > kFar)
         warnings.note("moved-far", fmt::format("{}a body has turned by {:.3g} rad: there may be other equilibria; this is "
@@ -517,12 +563,7 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
     if (!found.why_free_unknown.empty())
         warnings.note("free-motion-unknown",
                       fmt::format("{}it is not known what nothing holds: {}", place, found.why_free_unknown));
-    for (const auto& [factor, uncertainty] : found.factors)
-        if (uncertainty.value_or(0) > kShown)
-            warnings.note("critical-load-uncertain",
-                          fmt::format("{}rounding of the largest stiffness may change the critical load factor {:.8g} by up "
-                                      "to {:.1g} of it",
-                                      place, factor, *uncertainty));
+    warn_of_rounding(found.factors, place, warnings);
     if (!found.why_not_counted.empty())
         warnings.note("stability-unknown",
                       fmt::format("{}it is not known whether the equilibrium is stable: {}", place, found.why_not_counted));

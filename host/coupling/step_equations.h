@@ -55,7 +55,7 @@ public:
 
     /// One correction K⁻¹ (P− + h f − P(u)) of u; with joints, likewise of u and q. end: the bodies at the end of the step.
     void correct(const std::vector<BodyState>& now, const std::vector<BodyState>& end, const std::vector<double>& wrenches);
-    /// The residual r of the equations of motion at u, as rᵀ M⁻¹ r [J]; without joints.
+    /// The residual r of the equations of motion at u, as ½ rᵀ M⁻¹ r [J]; without joints.
     double residual(const std::vector<BodyState>& now, const std::vector<double>& wrenches) const;
     /// What makes ODE move the bodies by u, its joints adding their own impulses but those of foreseen stops.
     void write_feedback(const std::vector<BodyState>& now, BodyVectors& feedback);

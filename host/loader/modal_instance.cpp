@@ -301,10 +301,10 @@ std::vector<ModalInstance::Vector6> ModalInstance::strain_directions(uint32_t in
     return list;
 }
 
-uint32_t ModalInstance::count_growing(bool is_held) {
+uint32_t ModalInstance::count_growing(int slack) {
     if (!table_->count_growing) blame("it does not count motions that grow");
     uint32_t count = 0;
-    ask([&](dttmm_error* error) { return table_->count_growing(modal_.get(), is_held, &count, error); });
+    ask([&](dttmm_error* error) { return table_->count_growing(modal_.get(), slack, &count, error); });
     return count;
 }
 

@@ -80,8 +80,8 @@ public:
 
     /// Of an element at the start, where its stiffness counts [N]; 0: none.
     double force_at_start(uint32_t element) const;
-    /// Motions that grow. Throws Error(plugin_failure) if the plugin does not count them.
-    uint32_t count_growing(bool is_held);
+    /// Motions that grow; slack as in dttmm_modal.h. Throws Error(plugin_failure) if the plugin does not count them.
+    uint32_t count_growing(int slack);
     /// Motions that nothing holds; nothing: the plugin does not count them.
     std::optional<uint32_t> count_free();
     /// See dttmm_modal.h.

@@ -34,10 +34,10 @@ struct Inertia {
     Eigen::Vector3d turned(const Eigen::Matrix3d& R, const Eigen::Vector3d& w) const {
         return R * (J * (R.transpose() * w));
     }
-    /// Twice the kinetic energy of a momentum [p; L], world axes [J]
+    /// Kinetic energy of a momentum [p; L], world axes [J]
     double energy_of(const Eigen::Matrix3d& R, const Eigen::Matrix<double, 6, 1>& momentum) const {
         const Eigen::Vector3d own = R.transpose() * momentum.tail<3>();
-        return momentum.head<3>().squaredNorm() / mass + own.dot(inverse_J * own);
+        return 0.5 * (momentum.head<3>().squaredNorm() / mass + own.dot(inverse_J * own));
     }
     /// Angular momentum half way through a step of size h that starts at R with the angular velocity w over it:
     ///     L = R_{½} J R_{½}ᵀ w = exp(h w~/2) R J Rᵀ w,   for the exponential leaves w alone

@@ -335,8 +335,8 @@ double bent_at_rest(const dttmm_modal* modal, uint32_t element, int32_t* is_lump
     return share;
 }
 
-dttmm_status count_growing(dttmm_modal* modal, int32_t is_held, uint32_t* count, dttmm_error* error) {
-    return guard(error, [&] { *count = static_cast<uint32_t>(modal->analysis.count_growing(is_held != 0)); });
+dttmm_status count_growing(dttmm_modal* modal, int32_t slack, uint32_t* count, dttmm_error* error) {
+    return guard(error, [&] { *count = static_cast<uint32_t>(modal->analysis.count_growing(slack)); });
 }
 
 dttmm_status count_free(dttmm_modal* modal, uint32_t* count, dttmm_error* error) {

@@ -96,8 +96,9 @@ typedef struct dttmm_modal_table {
     /* NULL: none is. Of an element that is a line: how far it is bent at rest, as share of its radius of gyration; 0: it is
      * straight. *is_lumped: non-zero where it is therefore taken as the time solver has it. */
     double (*bent_at_rest)(const dttmm_modal* modal, uint32_t element, int32_t* is_lumped);
-    /* NULL: not known. How many motions grow. is_held: non-zero where it has no rigid-body modes; then exact to rounding. */
-    dttmm_status (*count_growing)(dttmm_modal* modal, int32_t is_held, uint32_t* count, dttmm_error* error);
+    /* NULL: not known. How many motions grow. slack: 1: all of them, for a machine without rigid-body modes; n > 1: those
+     * whose squared rate of growth is above n times what rounding makes of that of a rigid-body mode; 0: the same, n = 4. */
+    dttmm_status (*count_growing)(dttmm_modal* modal, int32_t slack, uint32_t* count, dttmm_error* error);
     /* NULL: not known. Shares of a mode's strain energy by direction, 6 per element: x y z rx ry rz of its axes. Zero of an
      * element whose strain has no such directions, as of a beam. */
     dttmm_status (*strain_directions)(dttmm_modal* modal, uint32_t index, double* shares, dttmm_error* error);

@@ -14,12 +14,12 @@ namespace {
 
 constexpr size_t kCount = Lanes::kCount;
 
-/// What place(index) says for four indices. Asked once: for all the compiler knows, each number stored may be an index.
+/// place(index) of four indices, looked up once. For all the compiler knows, what is stored between may change an index.
 [[gnu::always_inline]] inline auto each_of(const uint32_t (&index)[kCount], const auto& place) {
     return std::array{place(index[0]), place(index[1]), place(index[2]), place(index[3])};
 }
 
-/// frame(index): the numbers of one, as in a Frame.
+/// frame(index): pointer to the numbers of a Frame.
 [[gnu::always_inline]] inline FrameOf<Lanes> gather_frames(const auto& frame, const uint32_t (&index)[kCount]) {
     static_assert(kIsPlain<FrameOf>);
     const std::array<const double*, kCount> at = each_of(index, frame);
@@ -40,16 +40,16 @@ auto wrenches_in(std::vector<Vector6>& wrenches) {
     return [first = wrenches.data()](uint32_t index) { return first[index].data(); };
 }
 
-/// What counts of the DamperStates of joints, as take(count, first): without moments that of translations, and the losses.
+/// Calls take(count, first) for the numbers in use of a DamperState: without moments those of translations, and the losses.
 [[gnu::always_inline]] inline void for_parts_of_damper(bool turns, const auto& take) {
     static_assert(kIsPlain<DamperStateOf>);
-    constexpr int kOne = sizeof(double), kTranslations = sizeof(DamperState::Half) / kOne,
-                  kLosses = offsetof(DamperState, dissipated) / kOne;
+    constexpr int kTranslations = sizeof(DamperState::Half) / sizeof(double),
+                  kLosses = offsetof(DamperState, dissipated) / sizeof(double);
     if (turns) return take(std::integral_constant<int, DamperState::kNumbers>{}, 0);
     take(std::integral_constant<int, kTranslations>{}, 0);
     take(std::integral_constant<int, DamperState::kNumbers - kLosses>{}, kLosses);
 }
-[[gnu::always_inline]] inline void gather_dampers(bool turns, const std::array<const double*, kCount>& at,
+[[gnu::always_inline]] inline void gather_dampers(bool turns, const std::array<auto*, kCount>& at,
                                                   DamperStateOf<Lanes>& four) {
     for_parts_of_damper(turns, [&]<int N>(std::integral_constant<int, N>, int first) {
         gather<N>({at[0] + first, at[1] + first, at[2] + first, at[3] + first}, reinterpret_cast<Lanes*>(&four) + first);
@@ -206,7 +206,7 @@ void JointsByFour::take_axes(std::span<const Joint* const> four) {
         if (four.keeps_rates) {
             const auto at = each_of(four.damper, [&](uint32_t d) { return numbers_of(mechanism.dampers[d]); });
             DamperStateOf<Lanes> damper;
-            gather_dampers(springs.turns, {at[0], at[1], at[2], at[3]}, damper);
+            gather_dampers(springs.turns, at, damper);
             move_on(&damper);
             scatter_dampers(springs.turns, damper, at);
         } else {

@@ -28,8 +28,9 @@ public:
     double add_forces(const Mechanism& mechanism, const std::vector<Frame>& trial, std::vector<Vector6>& wrench) const;
     /// The same forces when the step does end there; the joints' memory moves on. mechanism.frames: still at t_n.
     void advance(Mechanism& mechanism, const std::vector<Frame>& next, std::vector<Vector6>& wrench) const;
-    /// The same where all frames are ports or ground: the host has the trial, and takes the wrenches on its bodies.
+    /// Where all frames are ports or ground, the host has the trial, and takes the forces on its bodies.
     void add_forces(const PortBodies& ports, const dttmm_motion* trial, double* wrenches) const;
+    /// Moves the joints' memory on; the host has had their forces. mechanism: that of the ports, its frames still at t_n.
     void advance(Mechanism& mechanism, const PortBodies& ports, const dttmm_motion* next) const;
 
 private:
@@ -41,9 +42,10 @@ private:
         uint32_t springs, axes;   ///< indices into those below
         bool keeps_rates;         ///< they have such
     };
-    // frame(index): the numbers of a Frame; wrench(index): where to add to the wrench on it, NULL: nowhere
+    // frame(index): pointer to the numbers of a Frame; wrench(index): where to add to the wrench on it, NULL: nowhere.
+    // wrench itself may be nullptr: forces are not added
     double add_forces_at(const Mechanism& mechanism, const auto& frame, const auto& wrench) const;
-    void advance_at(Mechanism& mechanism, const auto& frame, const auto& add_wrenches) const;
+    void advance_at(Mechanism& mechanism, const auto& frame, const auto& wrench) const;
     void take(const Mechanism& mechanism, std::span<const size_t> four);
     void take_springs(std::span<const Joint* const> four);
     void take_axes(std::span<const Joint* const> four);

@@ -51,7 +51,7 @@ public:
                         const dttmm_harmonic_result& result);
 
     /// See dttmm_modal.h.
-    int count_growing(bool is_held) { return ModeFinder(stiffness_).count_growing(is_held); }
+    int count_growing(int slack) { return ModeFinder(stiffness_).count_growing(slack); }
     int count_free() { return ModeFinder(stiffness_).count_free(); }
     double bent_at_rest(size_t element, bool& is_lumped) const;
     double force_at_start(size_t element) const { return model_.force_at_start(element); }

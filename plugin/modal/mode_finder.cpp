@@ -109,11 +109,12 @@ std::vector<Mode> ModeFinder::find_first(int count) {
     return std::move(modes_);
 }
 
-int ModeFinder::count_growing(bool is_held) {
+int ModeFinder::count_growing(int slack) {
     stiffness_.cut(0);
     if (stiffness_.stiffest() == 0) return 0;
-    const double lowest = lowest_for(0), shift = is_held ? 0 : -kWiden * lowest * lowest;
-    for (const double at : {shift, shift - rounding()})  // what hits zero does not grow by more than rounding
+    const double shift = slack == 1 ? 0 : -(slack == 0 ? kWiden : slack) * rounding();
+    // An eigenvalue hit to rounding has no count; beside it, by what rounding may make of one, there is one
+    for (const double at : {shift, shift - rounding()})
         if (const auto count = stiffness_.factor(at, false)) return *count;
     throw Error(DTTMM_ERROR_NUMERIC, "the motions that grow cannot be counted");
 }
@@ -122,7 +123,7 @@ int ModeFinder::count_growing(bool is_held) {
 int ModeFinder::count_free() {
     stiffness_.cut(0);
     if (stiffness_.stiffest() == 0) return stiffness_.factor(1, false).value_or(0);
-    const int growing = count_growing(false), free = count_rigid() - growing;
+    const int growing = count_growing(0), free = count_rigid() - growing;
     if (free < 0) throw Error(DTTMM_ERROR_NUMERIC, "the motions that nothing holds cannot be counted");
     return free;
 }

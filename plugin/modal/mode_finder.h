@@ -43,8 +43,8 @@ public:
     std::vector<Mode> find_below(double below);
     /// The first `count`, and what is equal to the last of them; all if there are fewer.
     std::vector<Mode> find_first(int count);
-    /// The number of motions that grow; of a machine without rigid-body modes that of its static stiffness, to rounding.
-    int count_growing(bool is_held);
+    /// The number of motions that grow; slack as in dttmm_modal.h.
+    int count_growing(int slack);
     /// The number of motions that nothing holds, or so little that rounding hides it.
     int count_free();
     /// The same with the motions that grow.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace dttmm::plugin {
 
@@ -14,7 +15,6 @@ BodyJoints::BodyJoints(Mechanism& mechanism, const PortBodies& bodies, const Por
             if (mechanism.joints[j].law().laws[as_size(d)]) law_looks_.push_back({j, d, 0, 0, 0});
     }
     by_four_ = {mechanism, linear_};
-    singles_ = by_four_.others();
 }
 
 void BodyJoints::linearise(const dttmm_motion* motions, double* wrench, double* stiffness, double* damping) const {
@@ -82,7 +82,7 @@ void BodyJoints::evaluate(const dttmm_motion* motions, double* wrench, double* s
 }
 
 DTTMM_WIDE void BodyJoints::evaluate_singles(const dttmm_motion* motions, double* wrench) const {
-    for (size_t j : singles_) {
+    for (size_t j : by_four_.others()) {
         const Joint& joint = mechanism_.joints[j];
         bodies_.add_wrench(
             joint,
@@ -91,6 +91,7 @@ DTTMM_WIDE void BodyJoints::evaluate_singles(const dttmm_motion* motions, double
     }
 }
 
+/// One by one: stiffness is asked for when the matrix of the bodies is formed, which is seldom.
 DTTMM_WIDE void BodyJoints::add_stiffness_of_linear(const dttmm_motion* motions, double* stiffness) const {
     for (size_t j : linear_) add_stiffness(j, bodies_.seen(mechanism_.joints[j], motions), stiffness);
 }
@@ -117,7 +118,7 @@ void BodyJoints::commit(const dttmm_motion* motions, std::vector<Frame>& earlier
         joint.refuse_large_rotation(from, to);
     }
     by_four_.advance(mechanism_, bodies_, motions);
-    for (const auto* list : {&singles_, &with_laws_})
+    for (const std::vector<size_t>* list : {&by_four_.others(), &std::as_const(with_laws_)})
         for (size_t j : *list) {
             const Joint& joint = mechanism_.joints[j];
             joint.advance(mechanism_.scheme, bodies_.seen(joint, motions), mechanism_.ends(j), mechanism_.states[j],

@@ -35,8 +35,7 @@ private:
     PortBodies bodies_;
     const PortBlocks& blocks_;
     std::vector<size_t> linear_, with_laws_;
-    JointsByFour by_four_;         ///< of the linear ones
-    std::vector<size_t> singles_;  ///< those that it does not take
+    JointsByFour by_four_;  ///< the linear ones, but for the others that it leaves
     /// A direction with a law at the trial last looked at: its deformation, force over the step and gain.
     struct LawLook {
         size_t joint;

@@ -21,7 +21,7 @@ namespace {
 
 /// At which a network is first looked at, to see that it can be solved [1/s]; 10 and 1e5 pass the same tests.
 constexpr double kTrialRate = 1e3;
-/// Slower than this, the matrix is formed anew within the step.
+/// Slower than this, as kSlow of the host's bodies, the matrix is formed anew within the step.
 constexpr double kTooSlow = 0.1;
 /// Of a frame's place, of which stiff joints make forces.
 constexpr double kRoundingOfPlace = 2 * std::numeric_limits<double>::epsilon();

@@ -38,16 +38,16 @@ public:
     BareLoop& operator=(const BareLoop&) = delete;
 
     void step() {
-        const double s = std::clamp(time_ / 18.4e-3, 0.0, 1.0);
+        const double s = std::clamp(time() / 18.4e-3, 0.0, 1.0);
         dBodyAddForce(bodies_.back(), 0, 0, 1000 * s * s * (3 - 2 * s));
         for (size_t p = 0; p < bodies_.size(); ++p)
             for (const Eigen::Vector3d& corner : test::kCorners)
                 add_bolt(bodies_[p], p > 0 ? bodies_[p - 1] : nullptr, corner);
         dWorldStep(world_, kStep);
-        time_ += kStep;
+        ++steps_;
     }
     double lift(size_t plate) const { return dBodyGetPosition(bodies_[plate])[2]; }
-    double time() const { return time_; }
+    double time() const { return steps_ * kStep; }
 
 private:
     static void add_bolt(dBodyID body, dBodyID below, const Eigen::Vector3d& corner) {
@@ -67,7 +67,7 @@ private:
 
     dWorldID world_;
     std::vector<dBodyID> bodies_;
-    double time_ = 0;
+    int steps_ = 0;
 };
 
 template <class Stepper>

@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/rotation.h"
@@ -173,29 +174,30 @@ INSTANTIATE_TEST_SUITE_P(JointsByFour, ByFour,
                          ::testing::Combine(::testing::Values(0.5, 0.6), ::testing::Values(0.0, 0.5, 2.0),
                                             ::testing::Bool()));
 
-/// Three bodies of the host, not in its order, and the ground; thirteen springs among them, four with moments, all damped.
-NetworkModel three_bodies(double beta, double gamma) {
-    NetworkModel model(DTTMM_SCHEME_CENTRED, beta, gamma);
+/// Three bodies of the host, not in its order, and the ground; springs among them with and without moments and dampers.
+NetworkModel three_bodies(uint32_t scheme, double gamma) {
+    NetworkModel model(scheme, 0.25 * (gamma + 0.5) * (gamma + 0.5), gamma);
     model.node("a", DTTMM_NODE_ON_BODY, Vector3(0.7, -0.2, 0.4), kTilted, Vector3(0.3, 0.1, -0.2));
     model.node("b", DTTMM_NODE_ON_BODY, Vector3(-0.5, 0.9, 0.1), kTilted.transpose(), Vector3(-0.1, 0.4, 0.2));
     model.node("c", DTTMM_NODE_ON_BODY, Vector3(0.2, 0.3, -0.8));
     model.node("ground", DTTMM_NODE_GROUND, Vector3(0.1, 0.2, -0.3));
     const std::vector<std::string> pairs[] = {{"ground", "a"}, {"a", "b"}, {"c", "b"}};
-    for (int i = 0; i < 13; ++i) {
-        NetworkModel::Values values = {{"stiffness", {1e4 + 7 * i, 2e4, 3e4}}, {"damping", {5, 6.0 + i, 7}}};
-        if (i % 3 == 2) values["rotational_stiffness"] = {400, 500.0 + i, 600};
-        if (i % 3 == 2) values["rotational_damping"] = {0.4, 0.5, 0.6 + i};
-        model.element("spring" + std::to_string(i), "spring_damper", pairs[i % 2 + (i > 6 ? 1 : 0)], values);
+    for (int i = 0; i < 21; ++i) {
+        NetworkModel::Values values = {{"stiffness", {1e4 + 7 * i, 2e4, 3e4}}};
+        if (i % 4 < 2) values["damping"] = {5, 6.0 + i, 7};
+        if (i % 2 == 0) values["rotational_stiffness"] = {400, 500.0 + i, 600};
+        if (i % 4 == 0) values["rotational_damping"] = {0.4, 0.5, 0.6 + i};
+        model.element("spring" + std::to_string(i), "spring_damper", pairs[i % 3], values);
     }
     return model;
 }
 
-class ByFourOnBodies : public ::testing::TestWithParam<double> {};
+class ByFourOnBodies : public ::testing::TestWithParam<std::pair<uint32_t, double>> {};
 
-// Oracle: one joint after the other.
+// Oracle: one joint after the other, over two steps.
 TEST_P(ByFourOnBodies, JointsAnswerAsOneByOne) {
-    const double gamma = GetParam();
-    const NetworkModel model = three_bodies(0.25 * (gamma + 0.5) * (gamma + 0.5), gamma);
+    const auto [scheme, gamma] = GetParam();
+    const NetworkModel model = three_bodies(scheme, gamma);
     Mechanism mechanism(model.description());
     mechanism.scheme.set_step_size(1e-4);
     for (Joint& joint : mechanism.joints) joint.set_scheme(mechanism.scheme);
@@ -205,47 +207,62 @@ TEST_P(ByFourOnBodies, JointsAnswerAsOneByOne) {
         const double x = normal(random), y = normal(random), z = normal(random);
         return Vector3(size * Vector3(x, y, z));
     };
-    const std::vector<uint32_t> bodies = {2, 4, 0};
-    const PortBodies ports{mechanism, bodies};
-    std::vector<dttmm_motion> motions(5);
-    for (int p = 0; p < 3; ++p) {
-        dttmm_motion& motion = motions[bodies[static_cast<size_t>(p)]];
-        const Frame& at = mechanism.frames[static_cast<size_t>(p)];
-        Eigen::Map<Vector3>{motion.position} = at.origin() + any(1e-3);
-        Eigen::Map<RowMajor3>{motion.rotation} = rotation_from_vector(any(1e-3)) * at.axes();
-    }
     const auto twist = [&](int frame) { return frame < 3 ? Twist{any(2), any(30)} : Twist{}; };
     mechanism.start_joints(twist, twist);
     Mechanism single = mechanism;
     std::vector<size_t> all(mechanism.joints.size());
     std::iota(all.begin(), all.end(), size_t{0});
     const JointsByFour four(mechanism, all);
-    ASSERT_EQ(four.size(), 12U);
+    std::vector<size_t> taken;
+    std::ranges::set_difference(all, four.others(), std::back_inserter(taken));
+    ASSERT_EQ(taken.size(), four.size());
+    ASSERT_EQ(taken.size(), 16U);
 
-    std::vector<double> together(30), alone(30);
-    four.add_forces(ports, motions.data(), together.data());
-    for (size_t j : all) {
-        if (std::ranges::count(four.others(), j)) continue;
-        const Joint& joint = single.joints[j];
-        ports.add_wrench(
-            joint, joint.over_step(single.scheme, ports.seen(joint, motions.data()), single.states[j], single.damper(j)),
-            alone.data());
-        joint.advance(single.scheme, ports.seen(joint, motions.data()), single.ends(j), single.states[j], single.damper(j),
-                      {}, nullptr);
-    }
-    EXPECT_TRUE(agree(together.data(), alone.data(), 30, 1e-10));
-    for (size_t i = 0; i < 30; ++i) EXPECT_EQ(together[i] == 0, i / 6 == 1 || i / 6 == 3) << "of a body that is no port";
-    four.advance(mechanism, ports, motions.data());
-    for (size_t j : all) {
-        if (std::ranges::count(four.others(), j)) continue;
-        EXPECT_TRUE(agree(numbers_of(mechanism.states[j]), numbers_of(single.states[j]), JointState::kNumbers, 1e-10)) << j;
-        EXPECT_TRUE(agree(numbers_of(*mechanism.damper(j)), numbers_of(*single.damper(j)), DamperState::kNumbers - 2, 1e-10))
-            << j;
-        EXPECT_NEAR(mechanism.damper(j)->last_loss, single.damper(j)->last_loss, 1e-10 * single.damper(j)->last_loss);
+    const std::vector<uint32_t> bodies = {2, 4, 0};
+    const PortBodies ports{mechanism, bodies}, own_ports{single, bodies};
+    std::vector<dttmm_motion> motions(5);
+    for (const int step : {1, 2}) {
+        SCOPED_TRACE(step);
+        for (size_t p = 0; p < 3; ++p) {
+            dttmm_motion& motion = motions[bodies[p]];
+            const Frame at = mechanism.frames[p];
+            Eigen::Map<Vector3>{motion.position} = at.origin() + any(1e-3);
+            Eigen::Map<RowMajor3>{motion.rotation} = rotation_from_vector(any(1e-3)) * at.axes();
+        }
+        std::vector<double> together(30), alone(30);
+        four.add_forces(ports, motions.data(), together.data());
+        for (size_t j : taken) {
+            const Joint& joint = single.joints[j];
+            const Ends trial = own_ports.seen(joint, motions.data());
+            own_ports.add_wrench(joint, joint.over_step(single.scheme, trial, single.states[j], single.damper(j)),
+                                 alone.data());
+            joint.advance(single.scheme, trial, single.ends(j), single.states[j], single.damper(j), {}, nullptr);
+        }
+        EXPECT_TRUE(agree(together.data(), alone.data(), 30, 1e-10));
+        for (size_t i = 0; i < 30; ++i) EXPECT_EQ(together[i] == 0, i / 6 == 1 || i / 6 == 3) << "of a body that is no port";
+        four.advance(mechanism, ports, motions.data());
+        for (size_t j : taken) {
+            EXPECT_TRUE(agree(numbers_of(mechanism.states[j]), numbers_of(single.states[j]), JointState::kNumbers, 1e-10))
+                << j;
+            const DamperState *mine = mechanism.damper(j), *its = single.damper(j);
+            if (!mine) continue;
+            EXPECT_TRUE(agree(numbers_of(*mine), numbers_of(*its), DamperState::kNumbers - 2, 1e-10)) << j;
+            EXPECT_NEAR(mine->last_loss, its->last_loss, 1e-10 * its->last_loss) << j;
+            EXPECT_NEAR(mine->dissipated, its->dissipated, 1e-10 * its->dissipated) << j;
+            if (j % 4 < 2) {
+                EXPECT_EQ(mine->dissipated > 0, step == 2) << j;
+            }
+        }
+        for (Mechanism* moved : {&mechanism, &single})
+            for (size_t p = 0; p < 3; ++p) moved->frames[p] = ports.seen(static_cast<int>(p), motions.data()).copy();
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(JointsByFour, ByFourOnBodies, ::testing::Values(0.5, 0.6));
+INSTANTIATE_TEST_SUITE_P(JointsByFour, ByFourOnBodies,
+                         ::testing::Values(std::pair{uint32_t{DTTMM_SCHEME_CENTRED}, 0.5},
+                                           std::pair{uint32_t{DTTMM_SCHEME_CENTRED}, 0.6},
+                                           std::pair{uint32_t{DTTMM_SCHEME_FOX_EULER}, 0.5},
+                                           std::pair{uint32_t{DTTMM_SCHEME_PARK}, 0.5}));
 
 TEST(JointsByFour, EveryJointIsTakenOrLeft) {
     const SomeJoints model(0.25, 0.5, 0);

@@ -49,7 +49,8 @@ auto wrenches_in(std::vector<Vector6>& wrenches) {
     take(std::integral_constant<int, kTranslations>{}, 0);
     take(std::integral_constant<int, DamperState::kNumbers - kLosses>{}, kLosses);
 }
-[[gnu::always_inline]] inline void gather_dampers(bool turns, const std::array<auto*, kCount>& at,
+template <class Number>
+[[gnu::always_inline]] inline void gather_dampers(bool turns, const std::array<Number*, kCount>& at,
                                                   DamperStateOf<Lanes>& four) {
     for_parts_of_damper(turns, [&]<int N>(std::integral_constant<int, N>, int first) {
         gather<N>({at[0] + first, at[1] + first, at[2] + first, at[3] + first}, reinterpret_cast<Lanes*>(&four) + first);

@@ -533,7 +533,7 @@ void warn_of_rounding(const std::vector<CriticalLoad>& factors, const std::strin
     const std::string text =
         worst->uncertainty
             ? fmt::format(
-                  "{}rounding of the largest stiffness may change the critical load factor {:.8g} by up to {:.1g} of it",
+                  "{}rounding of the largest stiffness may change the critical load factor {:.8g} by up to {:.2g} of it",
                   place, worst->factor, *worst->uncertainty)
             : fmt::format(
                   "{}it is not known how much rounding of the largest stiffness changes the critical load factor {:.8g}",

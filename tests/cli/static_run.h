@@ -30,6 +30,7 @@ inline std::map<std::string, double> last_row(const fs::path& file) {
 struct AtRest {
     std::map<std::string, double> row;
     nlohmann::json summary;
+    std::string told;  ///< on the screen, beside the table
 };
 
 inline AtRest rest_of(const std::string& text, std::vector<std::string> words = {}) {
@@ -39,7 +40,7 @@ inline AtRest rest_of(const std::string& text, std::vector<std::string> words = 
     const Ended ended = run_dttmm(folder.path(), words);
     EXPECT_EQ(ended.code, 0) << ended.err;
     if (ended.code != 0) return {};
-    return {last_row(folder / "out/static.csv"), read_json(folder / "out/summary.json")};
+    return {last_row(folder / "out/static.csv"), read_json(folder / "out/summary.json"), ended.err};
 }
 
 inline std::map<std::string, double> final_row(const std::string& text) {

@@ -927,6 +927,41 @@ rotational_stiffness = [{}, {}, {}]
         }
 }
 
+/// A millionth of a critical load is worth a note, a tenth a warning. At half and at twice of either a line fails.
+TEST(Statics, UncertainCriticalLoadsAreToldByHowUncertainTheyAre) {
+    int quiet = 0, small = 0, large = 0, useless = 0;
+    for (double shift = 1e8; shift<1e14; shift *= shift> 1e9 && shift < 1e13 ? 1e4 : 1.15) {
+        const AtRest rest = rest_of(fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[[body]]
+name = "bar"
+mass = 1
+inertia = [0.01, 0.012, 0.013]
+position = [0, 0, 1]
+markers.foot = [0, 0, -1]
+[[element]]
+name = "foot"
+type = "spring_damper"
+from = "ground"
+to = "bar.foot"
+stiffness = {}
+rotational_stiffness = 1000
+)",
+                                                shift),
+                                    {"--buckling", "1"});
+        const double share = rest.summary["critical_load_uncertainties"][0];
+        const auto is_told = [&](const char* how) { return rest.told.find(how) != std::string::npos; };
+        EXPECT_EQ(is_told("note: rounding of the largest stiffness"), share > 1e-6 && share <= 0.1) << share;
+        EXPECT_EQ(is_told("warning: rounding of the largest stiffness"), share > 0.1) << share;
+        quiet += share > 0.7e-6 && share <= 1e-6;
+        small += share > 1e-6 && share < 1.4e-6;
+        large += share > 0.07 && share <= 0.1;
+        useless += share > 0.1 && share < 0.14;
+    }
+    for (const int found : {quiet, small, large, useless}) EXPECT_GT(found, 0);
+}
+
 /// Euler's loads of a column between pins, in both planes.
 TEST(Statics, CriticalLoadFactors) {
     constexpr double kL = 1.2, kEI = 16.4, kEA = 1e5, kLoad = 10;

@@ -209,9 +209,9 @@ public:
         ModalInstance instance(description_.plugin(), description_.model());
         is_held_ = instance.count_free().value_or(1) == 0;  // not known: as if something were free
         slack_ = is_held_ ? 1 : kSlack;
-        constexpr double kLargest = 1e9;
+        constexpr double kLargest = 1e9;  // of the forces at rest; told where nothing is found
         double high = 1, below = 0;
-        while (count(high, slack_) < wanted && high < kLargest) high *= 4;
+        while (count(high, slack_) < wanted && high < kLargest) high = std::min(4 * high, kLargest);
         std::vector<CriticalLoad> factors;
         for (int k = 1, count_there = count(high, slack_); k <= std::min(wanted, count_there); ++k) {
             const double found = find_crossing(k, below, high);
@@ -260,7 +260,7 @@ private:
         return {factor, std::max(late / factor, kLeastShare)};
     }
 
-    static constexpr double kLeastShare = 1e-9;  // of a factor: what a bisection leaves is a thousandth of it
+    static constexpr double kLeastShare = 1e-9;  // of a factor: a thousand times what a bisection leaves
     ModalDescription description_;
     bool is_held_ = false;
     int slack_ = kSlack;

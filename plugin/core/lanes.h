@@ -68,7 +68,7 @@ void set_lane(Eigen::Matrix<Lanes, R, C>& four, int i, const Eigen::Matrix<doubl
     d = __builtin_shufflevector(AB, CD, 2, 3, 6, 7);
 }
 
-/// N numbers of each of four records, from[lane][n], side by side: to[n][lane]; and the way back. Written out: g++ 12 takes
+/// N numbers of each of four records, from[lane][n], side by side: to[n][lane]; and back. Written out: g++ 12 takes
 /// small arrays through memory.
 template <int N>
 [[gnu::always_inline]] inline void gather(const double* const (&from)[Lanes::kCount], Lanes* to) {

@@ -20,7 +20,7 @@ namespace {
 
 constexpr size_t kMostHalvings = 12, kMostSkipped = 4;
 constexpr double kMostBytes = 2.0 * 1024 * 1024 * 1024;
-constexpr double kHistoriesHeld = 4;  // three that are judged and the one that is running
+constexpr double kHistoriesHeld = 5;  // four that are judged and the one that is running
 
 /// The model k halvings on; its rows stay where they were.
 Model at_level(const Model& model, size_t k) {

@@ -43,7 +43,7 @@ void EndOfStep::begin_step(const dttmm_step& step, const std::vector<BodyState>&
         equations_.u()[b] = 2 * before - previous_u_[b];
         previous_u_[b] = before;
     }
-    convergence_.begin_step(now, equations_.u(), step.size, equations_.joint_system());
+    convergence_.begin_step(now, equations_);
 }
 
 const BodyVectors& EndOfStep::solve(const std::vector<BodyState>& now, Networks& networks, const std::vector<Stop>& stops) {

@@ -70,26 +70,30 @@ StepConvergence::StepConvergence(const Model& model, const Networks& networks, c
         const Body& body = model.bodies[b];
         const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(body.inertia).eigenvalues()(0);
         const double reach = std::max(reach_of(body), joints.longest_arm(as_int(b)));
-        bodies_.push_back({body.name, holders[b], body.mass, least, reach, group[b]});
+        bodies_.push_back({body.name, holders[b], false, body.mass, least, reach, group[b]});
     }
+    for (const Joint& joint : model.joints)
+        for (int body : {joint.first, joint.second})
+            if (body >= 0) bodies_[as_size(body)].is_jointed = true;
     groups_.resize(group.empty() ? 0 : 1 + *std::ranges::max_element(group));
 }
 
-void StepConvergence::begin_step(const std::vector<BodyState>& now, const BodyVectors& u, double h,
-                                 const JointSystem& joints) {
+void StepConvergence::begin_step(const std::vector<BodyState>& now, const StepEquations& equations) {
+    const bool has_joints = !equations.joint_system().empty();
     for (Group& group : groups_) {
         group.scale = 0.98 * group.size();
-        group.convergence.open(joints.empty() ? 0 : JointSystem::kProximal);
-        group.floor = 0;
+        group.convergence.open(has_joints ? JointSystem::kProximal : 0);
+        group.floor = group.place = group.share = 0;
     }
     for (NewtonConvergence& part : parts_) part.open();
-    const double rounding = kRounding / h;
     for (size_t b = 0; b < now.size(); ++b) {
         Group& group = groups_[bodies_[b].group];
-        group.floor = std::max(group.floor, kRounding * speed(b, u[b]));
-        if (!bodies_[b].holder.empty())
-            group.floor = std::max(group.floor, rounding * std::hypot(now[b].position.norm(), bodies_[b].reach));
+        group.floor = std::max(group.floor, kRounding * speed(b, equations.u()[b]));
+        if (bodies_[b].holder.empty()) continue;
+        group.place = std::max(group.place, std::hypot(now[b].position.norm(), bodies_[b].reach));
+        group.share = std::max(group.share, bodies_[b].is_jointed ? 1 : equations.stiffness_share(b));
     }
+    for (Group& group : groups_) group.floor = std::max(group.floor, group.share * kRounding * group.place / equations.h());
 }
 
 void StepConvergence::add_rounding(const JointSystem& joints, const BlockMatrix& matrix, const Eigen::VectorXd& q) {

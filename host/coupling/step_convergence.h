@@ -7,6 +7,7 @@
 
 #include "coupling/networks.h"
 #include "coupling/newton_convergence.h"
+#include "coupling/step_equations.h"
 #include "coupling/step_report.h"
 #include "model/model.h"
 #include "world/block_matrix.h"
@@ -22,8 +23,8 @@ class StepConvergence {
 public:
     StepConvergence(const Model& model, const Networks& networks, const JointSystem& joints);
 
-    /// Opens a step of size h. now: poses at t_n; u: the first trial.
-    void begin_step(const std::vector<BodyState>& now, const BodyVectors& u, double h, const JointSystem& joints);
+    /// Opens a step. now: poses at t_n; equations: with the first trial.
+    void begin_step(const std::vector<BodyState>& now, const StepEquations& equations);
 
     /// Takes the impulses q of a pass: a light body between heavy ones passes on impulses whose round-off alone moves it.
     void add_rounding(const JointSystem& joints, const BlockMatrix& matrix, const Eigen::VectorXd& q);
@@ -63,6 +64,7 @@ private:
     struct Judged {
         std::string name;
         std::string holder;  ///< an element or a joint that it hangs on; empty if none
+        bool is_jointed;     ///< by a joint of ODE
         double mass, least;  ///< [kg]; smallest principal moment of inertia [kg m²]
         double reach;        ///< of its markers and of its mass from the centre of mass [m]
         size_t group;
@@ -72,6 +74,10 @@ private:
         double scale = 0;  ///< of the motion found before, slowly forgetting
         double speed = 0;  ///< of the last pass: what a pass overshoots is no motion
         double floor = 0;  ///< corrections smaller than this are round-off of the held bodies' positions or of impulses
+        double place = 0;  ///< farthest point of a held body from the world's origin [m]
+        /// Of round-off of positions that moves bodies: joints close all of it at once, elements make forces of it that
+        /// compete with inertia.
+        double share = 0;
         dttmm_progress progress{};  ///< of the pass at hand
         NewtonConvergence convergence{NewtonConvergence::kBodies};
         double size() const { return std::max(scale, speed); }

@@ -13,7 +13,8 @@ StepEquations::StepEquations(const Model& model, const Networks& networks)
     : inertias_(model.bodies.begin(), model.bodies.end()),
       joints_(model.bodies, model.joints),
       matrix_(as_int(model.bodies.size()), networks.neighbours(), joints_.nodes()),
-      factor_(matrix_) {
+      factor_(matrix_),
+      stiffness_shares_(model.bodies.size(), 1) {
     for (BodyVectors* list : {&free_momentum_, &u_, &correction_})
         list->assign(model.bodies.size(), Eigen::Matrix<double, 6, 1>::Zero());
     for (Eigen::VectorXd* list : {&impulses_, &right_hand_side_, &solution_}) list->setZero(matrix_.size());
@@ -46,7 +47,12 @@ void StepEquations::add_stiffness(int row_body, int column_body, const BlockMatr
 }
 
 bool StepEquations::factor_with_inertia(const std::vector<BodyState>& now) {
-    for (size_t b = 0; b < now.size(); ++b) matrix_.add(as_int(b), as_int(b), inertias_[b].block(now[b].rotation));
+    for (size_t b = 0; b < now.size(); ++b) {
+        const BlockMatrix::Block S = matrix_.diagonal(as_int(b)), M = inertias_[b].block(now[b].rotation);
+        const auto stiffness = S.diagonal().array().abs();
+        stiffness_shares_[b] = (stiffness / (stiffness + M.diagonal().array())).maxCoeff();
+        matrix_.add(as_int(b), as_int(b), M);
+    }
     joints_.write_to(matrix_);
     return factor_.factor(matrix_);
 }

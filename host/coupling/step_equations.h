@@ -50,6 +50,8 @@ public:
     void set_zero() { matrix_.set_zero(); }
     void add_stiffness(int row_body, int column_body, const BlockMatrix::Block& S);
     bool factor_with_inertia(const std::vector<BodyState>& now);
+    /// Of the last matrix: what stiffness has of a direction of the body, h² S/(h² S + M) or less; 1 before the first.
+    double stiffness_share(size_t body) const { return stiffness_shares_[body]; }
     /// The body whose stiffness takes most from its inertia.
     size_t least_held(const std::vector<BodyState>& now) const;
 
@@ -90,6 +92,7 @@ private:
     JointSystem joints_;
     BlockMatrix matrix_;
     BlockFactor factor_;
+    std::vector<double> stiffness_shares_;  ///< per body
     Eigen::VectorXd impulses_, right_hand_side_, solution_;
 };
 

@@ -71,14 +71,76 @@ TEST(Convergence, TwoHistoriesTakeTheirDifferenceForTheError) {
     EXPECT_GT(left.estimate, left.error);
 }
 
-// Oracle: closed form for errors a/4^k + b/16^k: value −b/4/16^(k−1), estimate |4 δ_k − δ_{k−1}| = 45 times that.
+/// a/4^k + b/16^k + c/64^k, as of the integration where the motion is smooth.
+ErrorOf smooth_error(double a, double b, double c) {
+    return [=](int k, int row) {
+        return a * shape(row) / std::pow(4, k) + b * std::sin(row + 1.0) / std::pow(16, k) + c / std::pow(64, k);
+    };
+}
+const double kLargestSine = -std::sin(5.0);
+
+// Oracle: closed form: of b/16^k the value keeps −b/4/16^(k−1), and the estimate |4 δ_k − δ_{k−1}| is 45 times that.
 TEST(Convergence, OfASmoothMotionTheEstimateIsFortyFiveTimesTheError) {
-    for (int histories : {3, 4, 5}) {
-        const auto error = [](int k, int row) { return 0.1 * shape(row) / std::pow(4, k) + 0.01 / std::pow(16, k); };
-        const Left left = left_by(error, histories);
-        EXPECT_NEAR(left.error, 0.01 / 4 / std::pow(16, histories - 2), 1e-13);
-        EXPECT_NEAR(left.estimate, 45 * left.error, 1e-12);
+    const Left left = left_by(smooth_error(0.1, 0.01, 0), 3);
+    EXPECT_NEAR(left.error, 0.01 * kLargestSine / 4 / 16, 1e-13);
+    EXPECT_NEAR(left.estimate, 45 * left.error, 1e-12);
+}
+
+// Oracle: closed form: four histories lose b/16^k too. Of c/64^k the value keeps 64 c/64^k; its estimate is 252 times that.
+TEST(Convergence, OfFourSmoothHistoriesTheFourthOrderIsExtrapolatedToo) {
+    for (int histories : {4, 5, 6}) {
+        const Left left = left_by(smooth_error(0.1, 0.5 / std::pow(4, histories), 1e-3), histories);
+        EXPECT_NEAR(left.error, 1e-3 / std::pow(64, histories - 2), 1e-15);
+        EXPECT_NEAR(left.estimate, 252 * left.error, 1e-12);
     }
+}
+
+// Oracle: closed form: what T takes away from R, b/4/16^(k−1), is believed to a third only.
+TEST(Convergence, AThirdOfTheLastExtrapolationIsTheLeastEstimate) {
+    for (int histories : {4, 5, 6}) {
+        const Left left = left_by(smooth_error(0.1, 0.01, 1e-9), histories);
+        EXPECT_NEAR(left.estimate, 3 * 0.01 * kLargestSine / 4 / std::pow(16, histories - 2), 1e-9);
+        EXPECT_LT(left.error, 1e-3 * left.estimate);
+    }
+}
+
+/// Error of a load of which the derivative number n − 1 jumps at the share θ of the first step: h^n times the Bernoulli
+/// polynomial of the place in the step.
+double kink_error(int n, double theta, int k) {
+    const double place = theta * std::pow(2, k), x = place - std::floor(place);
+    const double polynomials[] = {x - 0.5, x * x - x + 1.0 / 6, x * x * x - 1.5 * x * x + 0.5 * x};
+    return polynomials[n - 1] / std::pow(2, n * k);
+}
+
+// Oracle: the true errors, over all places; the bounds of the header, beside a smooth motion of which nothing is left.
+TEST(Convergence, TheEstimateKnowsKinksOfLoads) {
+    const double most[] = {0.8, 2.2, 0.5};
+    for (int n : {1, 2, 3}) {
+        double worst = 0;
+        int beyond = 0;
+        for (int place = 0; place < 2000; ++place) {
+            const double theta = (place + 0.31) / 2000;
+            const auto error = [=](int k, int row) {
+                return 30 * shape(row) / std::pow(4, k) + (row < 3 ? 0 : kink_error(n, theta, k));
+            };
+            const Left left = left_by(error, 4);
+            worst = std::max(worst, left.error / left.estimate);
+            beyond += left.error > left.estimate ? 1 : 0;
+        }
+        EXPECT_LT(worst, most[n - 1]) << n;
+        EXPECT_GT(worst, 0.6 * most[n - 1]) << n;
+        EXPECT_LE(beyond, n == 2 ? 8 : 0) << n;
+    }
+}
+
+// Oracle: the formulas of the header. Of an error that halves with the step the first estimate is 1.5 times smaller than
+// the second: once is enough.
+TEST(Convergence, FourHistoriesAreExtrapolatedOnceWhereThatPromisesMore) {
+    const double jump = 1e-3;
+    const auto error = [=](int k, int row) { return 0.1 * shape(row) / std::pow(4, k) + jump / std::pow(2, k); };
+    const Left left = left_by(error, 4);
+    EXPECT_NEAR(left.error, (4 - 2) / 3.0 * jump / 8, 1e-12);
+    EXPECT_NEAR(left.estimate, (4 - 2) * jump / 8, 1e-12);
 }
 
 /// Error of a load that jumps at the share θ_k of a step, h (θ_k − ½) with θ_{k+1} the fraction of 2 θ_k, beside a smooth

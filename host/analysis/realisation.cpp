@@ -158,6 +158,8 @@ Identification identify_modes(const std::vector<std::vector<double>>& channels, 
     const std::size_t size = std::max(as_size(channels.size() * layout.rows.size()), layout.columns.size());
     out.order = std::min({rank_of(singular, size), 2 * wanted + kFreeOrder, largest_order(layout, channels.size())});
     out.unexplained = singular.tail(singular.size() - as_row(out.order)).norm() / singular.norm();
+    const double noise =
+        as_row(out.order) < singular.size() ? std::pow(singular(as_row(out.order)) / singular.norm(), 2) : 0;
     std::vector<std::vector<Complex>> others;
     for (std::size_t order = out.order + 1; order <= out.order + kNeighbours; ++order)
         if (singular(as_row(order) - 1) > 0) others.push_back(rates_of(realisation.poles(order).values, interval));
@@ -170,13 +172,13 @@ Identification identify_modes(const std::vector<std::vector<double>>& channels, 
         const bool is_confirmed = std::ranges::all_of(others, [&](const std::vector<Complex>& rates) {
             return std::ranges::any_of(rates, [&](Complex other) { return is_same(rate, other); });
         });
-        if (!is_confirmed) {
-            ++out.spurious;
-            continue;
-        }
         IdentifiedMode mode{rate, 2 * poles.shapes.col(i), 0};  // with its conjugate
         mode.strength = mode.shape.cwiseAbs().cwiseQuotient(scales).squaredNorm() / 2 *
                         duration_of(rate, interval, samples) / static_cast<double>(samples * channels.size());
+        if (!is_confirmed || mode.strength <= noise) {
+            ++out.spurious;
+            continue;
+        }
         out.modes.push_back(std::move(mode));
     }
     std::ranges::stable_sort(out.modes, std::greater{}, &IdentifiedMode::strength);

@@ -18,7 +18,7 @@ struct IdentifiedMode {
 struct Identification {
     std::vector<IdentifiedMode> modes;  ///< confirmed, by frequency
     std::size_t weaker = 0;             ///< confirmed beyond those asked for
-    std::size_t spurious = 0;           ///< vibrations of the realisation that other orders do not confirm
+    std::size_t spurious = 0;           ///< vibrations that other orders do not confirm, or weaker than what is left
     std::size_t rates = 0;              ///< real poles: offsets, drifts, decays without vibration
     std::size_t order = 0;              ///< of the realisation
     double unexplained = 0;             ///< RMS of what it leaves, as share

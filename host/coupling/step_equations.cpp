@@ -9,12 +9,26 @@
 
 namespace dttmm::host {
 
+namespace {
+
+/// A motion or an impulse, turned by Q.
+template <class Rotation>
+Eigen::Matrix<double, 6, 1> turned(const Rotation& Q, const Eigen::Matrix<double, 6, 1>& v) {
+    Eigen::Matrix<double, 6, 1> to;
+    to.head<3>().noalias() = Q * v.head<3>();
+    to.tail<3>().noalias() = Q * v.tail<3>();
+    return to;
+}
+
+}  // namespace
+
 StepEquations::StepEquations(const Model& model, const Networks& networks)
     : inertias_(model.bodies.begin(), model.bodies.end()),
       joints_(model.bodies, model.joints),
       matrix_(as_int(model.bodies.size()), networks.neighbours(), joints_.nodes()),
       factor_(matrix_),
-      stiffness_shares_(model.bodies.size(), 1) {
+      stiffness_shares_(model.bodies.size(), 1),
+      turns_(model.bodies.size()) {
     for (BodyVectors* list : {&free_momentum_, &u_, &correction_})
         list->assign(model.bodies.size(), Eigen::Matrix<double, 6, 1>::Zero());
     for (Eigen::VectorXd* list : {&impulses_, &right_hand_side_, &solution_}) list->setZero(matrix_.size());
@@ -28,7 +42,16 @@ void StepEquations::begin_step(const std::vector<BodyState>& now, const std::vec
         free_momentum_[b] = h_ * Eigen::Map<const Eigen::Matrix<double, 6, 1>>(&loads[6 * b]);
         free_momentum_[b].head<3>() += inertias_[b].mass * now[b].velocity;
         free_momentum_[b].tail<3>() += RotationStep(-0.5 * h_ * w).apply(L);
+        follow(turns_[b], now[b].rotation);
     }
+}
+
+void StepEquations::follow(Turn& turn, const Eigen::Matrix3d& R) {
+    if (!turn.is_followed) return;
+    turn.since.noalias() = R * turn.then.transpose();
+    // |Q − 1|² = 8 sin²(angle/2)
+    turn.is_followed = (turn.since - Eigen::Matrix3d::Identity()).squaredNorm() <= 2 * kFollowed * kFollowed;
+    if (!turn.is_followed) turn.since.setIdentity();
 }
 
 void StepEquations::move(const std::vector<BodyState>& now, double t, std::vector<BodyState>& to) const {
@@ -52,6 +75,7 @@ bool StepEquations::factor_with_inertia(const std::vector<BodyState>& now) {
         const auto stiffness = S.diagonal().array().abs();
         stiffness_shares_[b] = (stiffness / (stiffness + M.diagonal().array())).maxCoeff();
         matrix_.add(as_int(b), as_int(b), M);
+        turns_[b] = {.then = now[b].rotation};
     }
     joints_.write_to(matrix_);
     return factor_.factor(matrix_);
@@ -83,7 +107,8 @@ Eigen::Matrix<double, 6, 1> StepEquations::residual_of(size_t body, const BodySt
 void StepEquations::correct(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
                             const std::vector<double>& wrenches) {
     for (size_t b = 0; b < now.size(); ++b)
-        right_hand_side_.segment<6>(matrix_.index(as_int(b))) = residual_of(b, now[b], wrenches);
+        right_hand_side_.segment<6>(matrix_.index(as_int(b))) =
+            turned(turns_[b].since.transpose(), residual_of(b, now[b], wrenches));
     if (!joints_.empty()) {
         joints_.add_impulses(matrix_, impulses_, right_hand_side_);
         joints_.write_openings(matrix_, end, h_, right_hand_side_);
@@ -91,7 +116,7 @@ void StepEquations::correct(const std::vector<BodyState>& now, const std::vector
     factor_.solve(right_hand_side_, solution_);
     if (!joints_.empty()) impulses_ += solution_;
     for (size_t b = 0; b < now.size(); ++b) {
-        correction_[b] = solution_.segment<6>(matrix_.index(as_int(b)));
+        correction_[b] = turned(turns_[b].since, solution_.segment<6>(matrix_.index(as_int(b))));
         u_[b] += correction_[b];
     }
 }

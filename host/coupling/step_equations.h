@@ -20,6 +20,9 @@ namespace dttmm::host {
 /// which keeps the angular momentum of a free body to rounding. Simplified Newton iteration with the matrix
 ///     K = M + h² S,     S: stiffness of the networks seen from the centres of mass,
 /// symmetric (the gyroscopic part of ∂P/∂u and the little asymmetry of S away from rest are left to the iteration), sparse.
+/// It is kept, and turns with the bodies: Q K Qᵀ, Q the rotation of each since it was formed. Inertia and springs that are
+/// equally stiff in all directions, or turn with what they hold, are then met at any place. A body that has turned by more
+/// than kFollowed is no longer followed: a rotor on unequal bearings.
 /// Bodies on ideal joints also obey, with the multipliers q and the directions J of t_n (see JointSystem),
 ///     P(u) + Jᵀ q = P− + h f,   C(x + h u) = 0,      matrix | K   Jᵀ |
 ///                                                           | J  −E  |
@@ -27,6 +30,10 @@ namespace dttmm::host {
 class StepEquations {
 public:
     StepEquations(const Model& model, const Networks& networks);
+
+    /// [rad]: a direction that is turned wrongly leaves about as much of a correction; from a tenth on convergence is slow
+    /// (kSlow). 0.02 to 0.2 take the same passes in the tests.
+    static constexpr double kFollowed = 0.1;
 
     void start(double h) { h_ = h; }
     /// Opens a step with the wrenches of the loads over it.
@@ -80,6 +87,13 @@ public:
     }
 
 private:
+    /// How a body stands to the matrix.
+    struct Turn {
+        Eigen::Matrix3d then = Eigen::Matrix3d::Identity();   ///< its axes when that was formed
+        Eigen::Matrix3d since = Eigen::Matrix3d::Identity();  ///< Q; the identity where the matrix does not turn with it
+        bool is_followed = true;
+    };
+    static void follow(Turn& turn, const Eigen::Matrix3d& R);
     int stop_index(size_t joint) const;  ///< of the equation of its stop or motor
     double coordinate_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
                            bool (JointEquations::*counts)() const) const;
@@ -93,6 +107,7 @@ private:
     BlockMatrix matrix_;
     BlockFactor factor_;
     std::vector<double> stiffness_shares_;  ///< per body
+    std::vector<Turn> turns_;               ///< per body
     Eigen::VectorXd impulses_, right_hand_side_, solution_;
 };
 

@@ -2,6 +2,7 @@
 #include "support/exact_linear_system.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "support/linear_algebra.h"
 
@@ -10,15 +11,18 @@ namespace dttmm::test {
 ExactLinearSystem::ExactLinearSystem(const Eigen::MatrixXd& M, const Eigen::MatrixXd& C, const Eigen::MatrixXd& K,
                                      const Eigen::VectorXd& p, double amplitude, double rise_time)
     : n_(M.rows()), rise_time_(rise_time), state_(Eigen::VectorXd::Zero(2 * n_ + 4)) {
-    const Eigen::MatrixXd inverse = test::inverse(M);
+    // Of one size each, velocities over a frequency and s for t: otherwise rounding grows with the norm of the matrix
+    const Eigen::MatrixXd inverse = test::inverse(M), stiffness = inverse * K;
+    frequency_ = std::sqrt(stiffness.cwiseAbs().maxCoeff());
     rate_ = Eigen::MatrixXd::Zero(2 * n_ + 4, 2 * n_ + 4);
-    rate_.block(0, n_, n_, n_).setIdentity();
-    rate_.block(n_, 0, n_, n_) = -inverse * K;
+    rate_.block(0, n_, n_, n_).diagonal().setConstant(frequency_);
+    rate_.block(n_, 0, n_, n_) = -stiffness / frequency_;
     rate_.block(n_, n_, n_, n_) = -inverse * C;
-    const Eigen::VectorXd push = inverse * p * amplitude;
-    rate_.block(n_, 2 * n_ + 2, n_, 1) = 3 / (rise_time * rise_time) * push;
-    rate_.block(n_, 2 * n_ + 3, n_, 1) = -2 / (rise_time * rise_time * rise_time) * push;
-    for (int power = 1; power <= 3; ++power) rate_(2 * n_ + power, 2 * n_ + power - 1) = power;
+    const Eigen::VectorXd push = inverse * p * amplitude / frequency_;
+    rate_.block(n_, 2 * n_ + 2, n_, 1) = 3 * push;
+    rate_.block(n_, 2 * n_ + 3, n_, 1) = -2 * push;
+    for (int power = 1; power <= 3; ++power)
+        rate_(2 * n_ + power, 2 * n_ + power - 1) = rise_time > 0 ? power / rise_time : 0;
     after_ = rate_;  // from T on the load is constant: a times the state's 1
     after_.block(n_, 2 * n_ + 2, n_, 2).setZero();
     after_.block(n_, 2 * n_, n_, 1) = push;

@@ -41,7 +41,7 @@ size_t ModalAnalysis::find_modes(uint32_t count, double below) {
     return modes_.size();
 }
 
-/// The smallest singular value of the overall transfer matrix at a frequency as share of what it is a little beside.
+/// The last pivot of the overall transfer matrix at a frequency as share of what it is a little beside.
 double ModalAnalysis::overall_residual(const Mode& mode) const {
     constexpr double kBeside = 1e-3;
     const double omega = mode.omega, beside = omega > 0 ? omega * (1 + kBeside) : kBeside * std::max(mode.cut, 1.0);

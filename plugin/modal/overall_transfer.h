@@ -50,7 +50,8 @@ public:
         std::vector<Line> rows, columns;
     };
     Written written(double lambda) const;
-    /// The smallest singular value at λ as share of what it is at λ `beside`.
+    /// The last pivot of full-pivot elimination at λ as share of what it is at λ `beside`: zero where the matrix is
+    /// singular.
     double residual(double lambda, double beside) const;
 
     /// Boundaries, paths, inputs and the size of the equation, as text.

@@ -31,7 +31,7 @@ std::vector<double> of_modes(const nlohmann::json& modes, const char* key) {
 }
 
 // Oracle: two ways to the same frequencies. The overall transfer matrix knows nothing of the dynamic stiffness; where the
-// count says that there is a frequency, its smallest singular value is 1e-7 of that a thousandth beside: masses, springs,
+// count says that there is a frequency, its last pivot is 1e-7 of that a thousandth beside: masses, springs,
 // free directions, lines both ways, several inputs, and in the gun two loops that are cut.
 TEST(ModesCases, TheOverallTransferMatrixIsSingularAtEveryFrequency) {
     for (const char* name : {"hydroplane", "gun", "four_bolt_plate", "beam_and_body"}) {
@@ -99,7 +99,7 @@ TEST(ModesCases, TheDoubleCrossHasItsFrequenciesOneTwoAndFiveFold) {
                        4.5e-7);
     EXPECT_THAT(of_modes(modes, "multiplicity"), testing::ElementsAre(1, 2, 2, 5, 5, 5, 5, 5, 1, 2, 2, 5, 5, 5, 5, 5));
     // The count brackets each, to a relative 1e-10. The overall transfer matrix is singular there: a frequency within 1e-11
-    // leaves a smallest singular value of 1e-8 of that 1e-3 beside
+    // leaves a last pivot of 1e-8 of that 1e-3 beside
     for (double bracket : of_modes(modes, "bracket")) EXPECT_LT(bracket, 1.001e-10);
     for (double residual : of_modes(modes, "residual")) EXPECT_LT(residual, 1e-8);
 }

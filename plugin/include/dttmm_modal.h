@@ -50,11 +50,11 @@ typedef struct dttmm_mode {
     double bracket; /* the count of frequencies changes by the multiplicity within this relative distance, and what rounding
                        of stiff parts may have moved lies within it too */
     uint32_t multiplicity;
-    double residual;         /* last pivot of the overall transfer matrix, full pivoting, as share of what it is 0.1 % beside;
-                                where the machine is too large for that, what the quotient leaves by which the frequency was
-                                refined */
-    double mass;             /* modal mass of the shape as scaled: its largest displacement is 1 m [kg]. Shapes of equal
-                                frequencies are at right angles by mass. */
+    double residual; /* last pivot of the overall transfer matrix, full pivoting, as share of what it is 0.1 % beside;
+                        where the machine is too large for that, what the quotient leaves by which the frequency was
+                        refined */
+    double mass;     /* modal mass of the shape as scaled: its largest displacement is 1 m [kg]. Shapes of equal
+                        frequencies are at right angles by mass. */
     double participation[6]; /* share of the moved mass or inertia (about the origin) that takes part per direction */
 } dttmm_mode;
 

@@ -212,6 +212,9 @@ TEST(PlateEstimate, ExtrapolationLeavesFourthOrder) {
     const auto [three, three_estimate] = bolt_error(kSoft, 1e-3, 1001, 3);
     EXPECT_NEAR(three, half, 0.05 * half) << "the same last pair";
     EXPECT_NEAR(three_estimate, 1.8e-3, 1e-4);
+    const auto [four, four_estimate] = bolt_error(kSoft, 1e-3, 1001, 4);
+    EXPECT_NEAR(four, 2.2e-7, 2e-8) << "extrapolated twice";
+    EXPECT_NEAR(four_estimate, 4.3e-5, 2e-6);
     // with the rise of 20 ms that the design's figures belong to
     EXPECT_NEAR(bolt_error(kSoftTwentyMilliseconds, 1e-3, 1001, 2).first, 2.84e-4, 5e-6);
     EXPECT_NEAR(bolt_error(kSoftTwentyMilliseconds, 0.5e-3, 2001, 2).first, 1.82e-5, 5e-7);

@@ -16,8 +16,8 @@ namespace {
 constexpr double kLeastSmooth = 1.6, kMostSmooth = 2.5;
 constexpr double kLeastOrder = 0.5;  // of what does not seem to converge: 2^p − 1 must not vanish
 constexpr double kRoom = 1.5;        // for motion that answers more than linearly
-constexpr double kOfT = 4;           // 3.1 bounds the errors of jumps
-constexpr double kLeastOfR = 15;     // of the estimate; 15 bounds the error of kinks to 2.2 times the estimate, 30 to 4.3
+// Of |T_k − T_{k−1}| and of E_R, in the estimate of T: with 3.1 and 1/7 the errors of jumps and kinks just reach it
+constexpr double kOfChange = 4, kOfEstimate = 1 / 6.5;
 
 }  // namespace
 
@@ -26,72 +26,56 @@ double observed_order(double difference_before, double difference) {
                                                    : std::numeric_limits<double>::quiet_NaN();
 }
 
-Convergence::Rule Convergence::rule_for(double difference_before, double difference) {
+Convergence::Rule Convergence::rule_for(double difference_before, double difference) const {
+    if (count_ == 2) return {.share = {1.0 / 3}, .error = {kRoom}};
     const double p = observed_order(difference_before, difference);
-    if (p >= kLeastSmooth && p <= kMostSmooth) return {.share = {1.0 / 3}, .error = {4, -1}};
-    const double factor = kRoom / (std::exp2(p < 1 ? std::max(p, kLeastOrder) : 1) - 1);
-    return {.error = {factor}, .least = {0, factor / 4}};
+    if (!(p >= kLeastSmooth && p <= kMostSmooth)) {
+        const double factor = kRoom / (std::exp2(p < 1 ? std::max(p, kLeastOrder) : 1) - 1);
+        return {.error = {factor}, .least = {0, factor / 4}};
+    }
+    if (count_ == 3) return {.share = {1.0 / 3}, .error = {4, -1}};
+    // T_k − T_{k−1} = (64 δ_k − 20 δ_{k−1} + δ_{k−2})/45
+    constexpr double kError = kOfChange / 45;
+    return {.share = {19.0 / 45, -1.0 / 45},
+            .error = {64 * kError, -20 * kError, kError},
+            .least = {4 * kOfEstimate, -kOfEstimate}};
 }
 
 void Convergence::add(std::vector<double> history, double allowance) {
     assert(history.size() % channels_ == 0 && (count_ == 0 || history.size() == newest().size()));
     std::shift_left(std::begin(histories_), std::end(histories_), 1);
-    histories_[kKept - 1] = std::move(history);
+    histories_[kDifferences] = std::move(history);
     if (++count_ < 2) return;
 
     const std::vector<double> before = std::move(differences_);
     measure_differences();
-    rules_.assign(channels_, {.share = {1.0 / 3}, .error = {kRoom}});
-    for (std::size_t c = 0; c < channels_ && count_ > 2; ++c) rules_[c] = rule_for(before[c], differences_[c]);
-    estimates_ = largest_estimates(rules_);
-    if (count_ > 3) extrapolate_twice();
+    rules_.resize(channels_);
     for (std::size_t c = 0; c < channels_; ++c) {
+        rules_[c] = rule_for(count_ > 2 ? before[c] : 0, differences_[c]);
         for (double* list : {rules_[c].error, rules_[c].least})
-            for (int back : {0, 1, 2}) list[back] *= allowance;
-        estimates_[c] *= allowance;
+            for (std::size_t back = 0; back < kDifferences; ++back) list[back] *= allowance;
     }
+    estimates_.assign(channels_, 0);
+    for (std::size_t i = 0; i < newest().size(); ++i)
+        estimates_[i % channels_] = std::max(estimates_[i % channels_], estimate(rules_[i % channels_], i));
 }
 
-/// Wherever extrapolation is allowed and that promises less.
-void Convergence::extrapolate_twice() {
-    constexpr double kError = kOfT / 45, kLeast = 1 / kLeastOfR;
-    std::vector<Rule> twice = rules_;
-    for (Rule& rule : twice)
-        if (rule.share[0] > 0)
-            rule = {.share = {19.0 / 45, -1.0 / 45},
-                    .error = {64 * kError, -20 * kError, kError},
-                    .least = {4 * kLeast, -kLeast}};
-    const std::vector<double> estimates = largest_estimates(twice);
-    for (std::size_t c = 0; c < channels_; ++c) {
-        if (estimates[c] >= estimates_[c]) continue;
-        rules_[c] = twice[c];
-        estimates_[c] = estimates[c];
-    }
-}
-
-double Convergence::sum(const double (&factors)[3], std::size_t i) const {
+double Convergence::weighted_differences(const Factors& factors, std::size_t i) const {
     double sum = 0;
-    for (std::size_t back = 0; back < std::min<std::size_t>(3, count_ - 1); ++back)
-        sum += factors[back] * (histories_[kKept - 1 - back][i] - histories_[kKept - 2 - back][i]);
+    for (std::size_t back = 0; back < std::min(kDifferences, count_ - 1); ++back)
+        sum += factors[back] * (histories_[kDifferences - back][i] - histories_[kDifferences - back - 1][i]);
     return sum;
 }
 
 double Convergence::estimate(const Rule& rule, std::size_t i) const {
-    return std::max(std::abs(sum(rule.error, i)), std::abs(sum(rule.least, i)));
-}
-
-std::vector<double> Convergence::largest_estimates(const std::vector<Rule>& rules) const {
-    std::vector<double> largest(channels_, 0);
-    for (std::size_t i = 0; i < newest().size(); ++i)
-        largest[i % channels_] = std::max(largest[i % channels_], estimate(rules[i % channels_], i));
-    return largest;
+    return std::max(std::abs(weighted_differences(rule.error, i)), std::abs(weighted_differences(rule.least, i)));
 }
 
 void Convergence::measure_differences() {
     differences_.assign(channels_, 0);
     for (std::size_t i = 0; i < newest().size(); ++i)
         differences_[i % channels_] =
-            std::max(differences_[i % channels_], std::abs(newest()[i] - histories_[kKept - 2][i]));
+            std::max(differences_[i % channels_], std::abs(newest()[i] - histories_[kDifferences - 1][i]));
 }
 
 std::span<const double> Convergence::newest_row(std::size_t row) const {
@@ -102,7 +86,7 @@ void Convergence::evaluate_row(std::size_t row, std::span<double> values, std::s
     for (std::size_t c = 0; c < channels_; ++c) {
         const std::size_t i = row * channels_ + c;
         const Rule& rule = rules_[c];
-        values[c] = newest()[i] + sum(rule.share, i);
+        values[c] = newest()[i] + weighted_differences(rule.share, i);
         estimates[c] = std::max(estimates[c], estimate(rule, i));
     }
 }

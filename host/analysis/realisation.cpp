@@ -158,7 +158,7 @@ Identification identify_modes(const std::vector<std::vector<double>>& channels, 
     const std::size_t size = std::max(as_size(channels.size() * layout.rows.size()), layout.columns.size());
     out.order = std::min({rank_of(singular, size), 2 * wanted + kFreeOrder, largest_order(layout, channels.size())});
     out.unexplained = singular.tail(singular.size() - as_row(out.order)).norm() / singular.norm();
-    const double noise =
+    const double left_out =
         as_row(out.order) < singular.size() ? std::pow(singular(as_row(out.order)) / singular.norm(), 2) : 0;
     std::vector<std::vector<Complex>> others;
     for (std::size_t order = out.order + 1; order <= out.order + kNeighbours; ++order)
@@ -175,8 +175,8 @@ Identification identify_modes(const std::vector<std::vector<double>>& channels, 
         IdentifiedMode mode{rate, 2 * poles.shapes.col(i), 0};  // with its conjugate
         mode.strength = mode.shape.cwiseAbs().cwiseQuotient(scales).squaredNorm() / 2 *
                         duration_of(rate, interval, samples) / static_cast<double>(samples * channels.size());
-        if (!is_confirmed || mode.strength <= noise) {
-            ++out.spurious;
+        if (!is_confirmed || mode.strength <= left_out) {
+            ++(is_confirmed ? out.faint : out.spurious);
             continue;
         }
         out.modes.push_back(std::move(mode));

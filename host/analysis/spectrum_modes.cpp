@@ -112,10 +112,12 @@ void SpectrumModes::judge(const RecordedRun& run, int wanted, Warnings& warnings
     const size_t count = found_.modes.size();
     const double duration = run.duration();
     if (found_.spurious > 0)
-        warnings.note(
-            "spurious-modes",
-            fmt::format("{} dropped: realisations of other orders do not confirm {}, or what this one leaves is stronger",
-                        counted(found_.spurious, "vibration is", "vibrations are"), found_.spurious == 1 ? "it" : "them"));
+        warnings.note("spurious-modes", fmt::format("{} dropped: realisations of other orders do not confirm {}",
+                                                    counted(found_.spurious, "vibration is", "vibrations are"),
+                                                    found_.spurious == 1 ? "it" : "them"));
+    if (found_.faint > 0)
+        warnings.note("faint-modes", fmt::format("{} dropped: no stronger than what the realisation leaves out",
+                                                 counted(found_.faint, "vibration is", "vibrations are")));
     if (found_.weaker > 0)
         warnings.note("weaker-modes",
                       fmt::format("{} beyond the {} asked for; give a larger --identify",

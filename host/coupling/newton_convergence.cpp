@@ -2,6 +2,7 @@
 #include "coupling/newton_convergence.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace dttmm::host {
 
@@ -21,7 +22,8 @@ double Contraction::left(double correction) const {
 }
 
 void Contraction::measure(double rate, double previous) {
-    share_ = rate < 1 ? rate / (1 - rate) : 1e3;
+    // A rate of zero would be trusted for ever: doubled it stays zero
+    share_ = rate < 1 ? std::max(rate, std::numeric_limits<double>::epsilon()) / (1 - rate) : 1e3;
     measured_at_ = previous;
 }
 

@@ -83,17 +83,18 @@ void StepConvergence::begin_step(const std::vector<BodyState>& now, const StepEq
     for (Group& group : groups_) {
         group.scale = 0.98 * group.size();
         group.convergence.open(has_joints ? JointSystem::kProximal : 0);
-        group.floor = group.place = group.share = 0;
+        group.floor = group.distance = group.share = 0;
     }
     for (NewtonConvergence& part : parts_) part.open();
     for (size_t b = 0; b < now.size(); ++b) {
         Group& group = groups_[bodies_[b].group];
         group.floor = std::max(group.floor, kRounding * speed(b, equations.u()[b]));
         if (bodies_[b].holder.empty()) continue;
-        group.place = std::max(group.place, std::hypot(now[b].position.norm(), bodies_[b].reach));
+        group.distance = std::max(group.distance, std::hypot(now[b].position.norm(), bodies_[b].reach));
         group.share = std::max(group.share, bodies_[b].is_jointed ? 1 : equations.stiffness_share(b));
     }
-    for (Group& group : groups_) group.floor = std::max(group.floor, group.share * kRounding * group.place / equations.h());
+    for (Group& group : groups_)
+        group.floor = std::max(group.floor, group.share * kRounding * group.distance / equations.h());
 }
 
 void StepConvergence::add_rounding(const JointSystem& joints, const BlockMatrix& matrix, const Eigen::VectorXd& q) {

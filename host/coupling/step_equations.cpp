@@ -20,6 +20,21 @@ Eigen::Matrix<double, 6, 1> turned(const Rotation& Q, const Eigen::Matrix<double
     return to;
 }
 
+/// Whether a stiffness is the same in all directions.
+bool is_even(const Eigen::Matrix3d& stiffness) {
+    constexpr double kEven = 1e-12;  // rounding of a sum over springs
+    const double mean = stiffness.trace() / 3;
+    return (stiffness - mean * Eigen::Matrix3d::Identity()).norm() <= kEven * std::abs(mean);
+}
+
+/// s/(1 + s) with s = tr |M⁻¹ h² S|: no eigenvalue is larger.
+double share_of_stiffness(const Inertia& inertia, const Eigen::Matrix3d& R, const BlockMatrix::Block& S) {
+    const Eigen::Matrix3d inverse = R * inertia.inverse_J * R.transpose();
+    const double s = S.diagonal().head<3>().cwiseAbs().sum() / inertia.mass +
+                     inverse.cwiseProduct(S.bottomRightCorner<3, 3>()).cwiseAbs().sum();
+    return std::isfinite(s) ? s / (1 + s) : 1;
+}
+
 }  // namespace
 
 StepEquations::StepEquations(const Model& model, const Networks& networks)
@@ -29,6 +44,12 @@ StepEquations::StepEquations(const Model& model, const Networks& networks)
       factor_(matrix_),
       stiffness_shares_(model.bodies.size(), 1),
       turns_(model.bodies.size()) {
+    const auto couple = [&](int first, int second) {
+        if (first < 0 || second < 0) return;
+        for (int body : {first, second}) turns_[as_size(body)].is_alone = false;
+    };
+    for (const auto& [first, second] : networks.neighbours()) couple(first, second);
+    for (const Joint& joint : model.joints) couple(joint.first, joint.second);
     for (BodyVectors* list : {&free_momentum_, &u_, &correction_})
         list->assign(model.bodies.size(), Eigen::Matrix<double, 6, 1>::Zero());
     for (Eigen::VectorXd* list : {&impulses_, &right_hand_side_, &solution_}) list->setZero(matrix_.size());
@@ -42,16 +63,8 @@ void StepEquations::begin_step(const std::vector<BodyState>& now, const std::vec
         free_momentum_[b] = h_ * Eigen::Map<const Eigen::Matrix<double, 6, 1>>(&loads[6 * b]);
         free_momentum_[b].head<3>() += inertias_[b].mass * now[b].velocity;
         free_momentum_[b].tail<3>() += RotationStep(-0.5 * h_ * w).apply(L);
-        follow(turns_[b], now[b].rotation);
+        if (turns_[b].is_followed) turns_[b].since.noalias() = now[b].rotation * turns_[b].then.transpose();
     }
-}
-
-void StepEquations::follow(Turn& turn, const Eigen::Matrix3d& R) {
-    if (!turn.is_followed) return;
-    turn.since.noalias() = R * turn.then.transpose();
-    // |Q − 1|² = 8 sin²(angle/2)
-    turn.is_followed = (turn.since - Eigen::Matrix3d::Identity()).squaredNorm() <= 2 * kFollowed * kFollowed;
-    if (!turn.is_followed) turn.since.setIdentity();
 }
 
 void StepEquations::move(const std::vector<BodyState>& now, double t, std::vector<BodyState>& to) const {
@@ -71,11 +84,13 @@ void StepEquations::add_stiffness(int row_body, int column_body, const BlockMatr
 
 bool StepEquations::factor_with_inertia(const std::vector<BodyState>& now) {
     for (size_t b = 0; b < now.size(); ++b) {
-        const BlockMatrix::Block S = matrix_.diagonal(as_int(b)), M = inertias_[b].block(now[b].rotation);
-        const auto stiffness = S.diagonal().array().abs();
-        stiffness_shares_[b] = (stiffness / (stiffness + M.diagonal().array())).maxCoeff();
-        matrix_.add(as_int(b), as_int(b), M);
-        turns_[b] = {.then = now[b].rotation};
+        const BlockMatrix::Block S = matrix_.diagonal(as_int(b));
+        const Eigen::Matrix3d& R = now[b].rotation;
+        stiffness_shares_[b] = share_of_stiffness(inertias_[b], R, S);
+        turns_[b].then = R;
+        turns_[b].since.setIdentity();
+        turns_[b].is_followed = turns_[b].is_alone && is_even(S.topLeftCorner<3, 3>());
+        matrix_.add(as_int(b), as_int(b), inertias_[b].block(R));
     }
     joints_.write_to(matrix_);
     return factor_.factor(matrix_);

@@ -20,9 +20,9 @@ namespace dttmm::host {
 /// which keeps the angular momentum of a free body to rounding. Simplified Newton iteration with the matrix
 ///     K = M + h² S,     S: stiffness of the networks seen from the centres of mass,
 /// symmetric (the gyroscopic part of ∂P/∂u and the little asymmetry of S away from rest are left to the iteration), sparse.
-/// It is kept, and turns with the bodies: Q K Qᵀ, Q the rotation of each since it was formed. Inertia and springs that are
-/// equally stiff in all directions, or turn with what they hold, are then met at any place. A body that has turned by more
-/// than kFollowed is no longer followed: a rotor on unequal bearings.
+/// It is kept. For a body that is coupled with no other, and as stiff in all directions of translation, it turns with the
+/// body: Q K Qᵀ, Q the rotation since it was formed. Inertia and springs to the ground that are equally stiff in all
+/// directions turn in the same way.
 /// Bodies on ideal joints also obey, with the multipliers q and the directions J of t_n (see JointSystem),
 ///     P(u) + Jᵀ q = P− + h f,   C(x + h u) = 0,      matrix | K   Jᵀ |
 ///                                                           | J  −E  |
@@ -30,10 +30,6 @@ namespace dttmm::host {
 class StepEquations {
 public:
     StepEquations(const Model& model, const Networks& networks);
-
-    /// [rad]: a direction that is turned wrongly leaves about as much of a correction; from a tenth on convergence is slow
-    /// (kSlow). 0.02 to 0.2 take the same passes in the tests.
-    static constexpr double kFollowed = 0.1;
 
     void start(double h) { h_ = h; }
     /// Opens a step with the wrenches of the loads over it.
@@ -57,7 +53,8 @@ public:
     void set_zero() { matrix_.set_zero(); }
     void add_stiffness(int row_body, int column_body, const BlockMatrix::Block& S);
     bool factor_with_inertia(const std::vector<BodyState>& now);
-    /// Of the last matrix: what stiffness has of a direction of the body, h² S/(h² S + M) or less; 1 before the first.
+    /// Of the last matrix: what stiffness has of it in a direction of the body, h² S/(h² S + M), at most; 1 before the
+    /// first.
     double stiffness_share(size_t body) const { return stiffness_shares_[body]; }
     /// The body whose stiffness takes most from its inertia.
     size_t least_held(const std::vector<BodyState>& now) const;
@@ -87,13 +84,13 @@ public:
     }
 
 private:
-    /// How a body stands to the matrix.
+    /// Rotation of a body since the matrix was formed.
     struct Turn {
-        Eigen::Matrix3d then = Eigen::Matrix3d::Identity();   ///< its axes when that was formed
-        Eigen::Matrix3d since = Eigen::Matrix3d::Identity();  ///< Q; the identity where the matrix does not turn with it
-        bool is_followed = true;
+        bool is_alone = true;                                 ///< coupled with no other body
+        bool is_followed = true;                              ///< by the matrix
+        Eigen::Matrix3d then = Eigen::Matrix3d::Identity();   ///< rotation of the body when it was formed
+        Eigen::Matrix3d since = Eigen::Matrix3d::Identity();  ///< Q; the identity of a body that is not followed
     };
-    static void follow(Turn& turn, const Eigen::Matrix3d& R);
     int stop_index(size_t joint) const;  ///< of the equation of its stop or motor
     double coordinate_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
                            bool (JointEquations::*counts)() const) const;

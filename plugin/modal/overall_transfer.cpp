@@ -27,16 +27,18 @@ Eigen::MatrixXd stack(const Eigen::MatrixXd& above, const Eigen::MatrixXd& below
     return both;
 }
 
+bool can_be_singular(const Eigen::MatrixXd& U) { return U.rows() > 0 && U.rows() == U.cols() && U.allFinite(); }
+
 /// The smallest singular value as share of the largest; 1 of a matrix that is empty, not square or overflows.
 double smallest_of(const Eigen::MatrixXd& U) {
-    if (U.rows() == 0 || U.rows() != U.cols() || !U.allFinite()) return 1;
+    if (!can_be_singular(U)) return 1;
     const Eigen::VectorXd singular = U.bdcSvd().singularValues();
     return singular(singular.size() - 1) / singular(0);
 }
 
-/// The last pivot of full-pivot elimination as share of the first; 1 as above. It takes a sixth of the time.
+/// The last pivot of full-pivot elimination as share of the largest; 1 as above.
 double last_pivot_of(const Eigen::MatrixXd& U) {
-    if (U.rows() == 0 || U.rows() != U.cols() || !U.allFinite()) return 1;
+    if (!can_be_singular(U)) return 1;
     const Eigen::FullPivLU<Eigen::MatrixXd> lu(U);
     return std::abs(lu.matrixLU()(U.rows() - 1, U.rows() - 1)) / lu.maxPivot();
 }
@@ -227,7 +229,7 @@ OverallTransfer::Units OverallTransfer::units_of(Matrix U) {
 OverallTransfer::Check OverallTransfer::check(double lambda, double beside) const {
     const Units units = units_of(assemble(beside));
     const Matrix U = units.rows.asDiagonal() * assemble(lambda) * units.columns.asDiagonal();
-    if (U.rows() == 0 || U.rows() != U.cols() || !U.allFinite()) return {1, 0, 0};
+    if (!can_be_singular(U)) return {1, 0, 0};
     const Eigen::FullPivLU<Matrix> lu(U);
     auto sign = static_cast<double>(lu.permutationP().determinant() * lu.permutationQ().determinant());
     double logarithm = -units.rows.array().log10().sum() - units.columns.array().log10().sum();

@@ -168,7 +168,7 @@ TEST_P(StoppedModes, ASteadyResponseKeepsItsRows) {
 
 TEST_P(StoppedModes, ASweepKeepsItsCases) {
     Process sweep({"modes", "model.toml", "--sweep", "mass=1kg..5kg:100000", "-o", "out"}, folder_.path());
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
     sweep.send(GetParam());
     const Ended ended = sweep.wait();
     EXPECT_EQ(ended.code, 130) << ended.err;

@@ -60,6 +60,16 @@ TEST(NewtonConvergence, KeepsTheRateForTheNextStep) {
     EXPECT_EQ(pass_done(inside, {part(1e-1, 0), part(1e-8, 1e-1)}), 2) << "ten times as large: 4e-6 of it may remain";
 }
 
+// A second correction that is exactly zero says no more than one of eps times the first: trust is halved from there.
+TEST(NewtonConvergence, TrustsARateOfZeroForSomeStepsOnly) {
+    NewtonConvergence bodies(NewtonConvergence::kBodies);
+    EXPECT_EQ(pass_done(bodies, {part(1e-2, 0), part(0, 1e-2)}), 2);
+    int steps = 0;
+    while (steps < 100 && pass_done(bodies, {part(1e-2, 0)}) == 1) ++steps;
+    EXPECT_GE(steps, 10);
+    EXPECT_LE(steps, 20) << "2^n eps is 1e-11 by then";
+}
+
 TEST(NewtonConvergence, TrustsNoRateOfAnotherMatrix) {
     NewtonConvergence inside(NewtonConvergence::kInside);
     pass_done(inside, {part(1e-2, 0), part(1e-9, 1e-2)});

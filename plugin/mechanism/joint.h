@@ -41,16 +41,7 @@ public:
     LawOnPath ask(int direction, const LawPath& path) const;
     /// Forces along deformations x (gradients by θ in rotations) as [force; moment] in the joint's axes, and as what they do
     /// to the frames.
-    Vector6 spread(const Vector6& x, Vector6 f) const {
-        Vector3 force = f.head<3>(), by_theta = f.tail<3>();
-        f.tail<3>().setZero();
-        if (turns()) {
-            kind_->springs.spread(kind_->springs.drawn(x.head<3>(), x.tail<3>()), force, by_theta);
-            f.tail<3>() = moment_of_gradient(Vector3(x.tail<3>()), by_theta);
-        }
-        f.head<3>() = force;
-        return f;
-    }
+    Vector6 spread(const Vector6& x, const Vector6& f) const { return kind_->springs.force(x, f, Vector6::Zero()); }
     JointForce act(const JointPose& pose, const Vector6& x, const Vector6& f) const;
     /// ∂(elastic force)/∂(deformation) of springs of the stiffness k along the deformations, joint axes, rotations in terms
     /// of the relative turn ε. Symmetric.
@@ -84,11 +75,7 @@ public:
     /// The force law at one instant: f [force; moment] on the `from` end in the joint's axes; of its springs a share.
     [[gnu::always_inline]] Vector6 force(const Vector6& deformation, const Vector6& rate, const double* memory,
                                          double elastic_share = 1) const {
-        Vector6 f = elastic_share * spring_force(deformation, memory);
-        f.head<3>() += kind_->springs.halves[0].damping.cwiseProduct(rate.head<3>());
-        f = spread(deformation, f);
-        if (turns()) f.tail<3>() += kind_->springs.halves[1].damping.cwiseProduct(rate.tail<3>());
-        return f;
+        return kind_->springs.force(deformation, elastic_share * spring_force(deformation, memory), rate);
     }
     using Strained = StrainedOf<double>;
     /// Its elastic part with the deformation it stems from.
@@ -151,9 +138,7 @@ private:
                                                const JointState& state, const double* memory, JointForce& force) const;
     /// Of the springs along the deformations; translations as forces, rotations as the gradient by θ.
     Vector6 spring_force(const Vector6& x, const double* memory) const {
-        Vector6 f;
-        f << kind_->springs.halves[0].stiffness.cwiseProduct(x.head<3>()),
-            kind_->springs.halves[1].stiffness.cwiseProduct(x.tail<3>());
+        Vector6 f = kind_->springs.along(x);
         if (kind_->has_laws) [[unlikely]]
             put_laws({x, memory, 0}, x, f);
         return f;

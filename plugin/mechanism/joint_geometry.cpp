@@ -69,14 +69,15 @@ JointPose JointGeometry::axial_pose(FrameView from, FrameView to) const {
 }
 
 Vector6 JointGeometry::rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const {
-    const Vector6 x = kind_->springs.is_line ? deformation(pose(from, to), from, to) : Vector6(Vector6::Zero());
-    return rate(from, from_velocity, to, to_velocity, x);
+    const JointPose at = pose(from, to);
+    const Vector6 x = kind_->springs.is_line ? deformation(at, from, to) : Vector6(Vector6::Zero());
+    return rate(at, from_velocity, to_velocity, x);
 }
 
-Vector6 JointGeometry::rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity,
+Vector6 JointGeometry::rate(const JointPose& pose, const Twist& from_velocity, const Twist& to_velocity,
                             const Vector6& x) const {
     // r = R_fromᵀ p,  p = p_to − p_from  =>  r' = R_fromᵀ (p' − ω_from × p)
-    const auto& [R, arm, lever] = pose(from, to);
+    const auto& [R, arm, lever] = pose;
     Vector6 rate;
     rate << R.transpose() * (to_velocity.linear + to_velocity.angular.cross(lever) - from_velocity.linear -
                              from_velocity.angular.cross(arm)),

@@ -99,8 +99,8 @@ public:
     Vector6 deformation(const JointPose& pose, FrameView from, FrameView to) const;
     /// Rates and second rates of the deformation, [d; relative turn], joint axes.
     Vector6 rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const;
-    /// The same where its deformation there is known already.
-    Vector6 rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity,
+    /// The same where its pose and deformation are known already.
+    Vector6 rate(const JointPose& pose, const Twist& from_velocity, const Twist& to_velocity,
                  const Vector6& deformation) const;
     Vector6 acceleration(FrameView from, const Twist& from_velocity, const Twist& from_acceleration, FrameView to,
                          const Twist& to_velocity, const Twist& to_acceleration) const;

@@ -13,6 +13,7 @@ namespace dttmm::plugin {
 namespace {
 
 constexpr size_t kCount = Lanes::kCount;
+using SixLanes = Eigen::Matrix<Lanes, 6, 1>;
 
 /// place(index) of four indices, looked up once. For all the compiler knows, what is stored between may change an index.
 [[gnu::always_inline]] inline auto each_of(const uint32_t (&index)[kCount], const auto& place) {
@@ -97,6 +98,16 @@ JointsByFour::JointsByFour(const Mechanism& mechanism, std::span<const size_t> j
     for (const auto& by_rates : open)
         for (const std::vector<size_t>& left : by_rates) others_.insert(others_.end(), left.begin(), left.end());
     std::sort(others_.begin(), others_.end());
+}
+
+std::vector<size_t> JointsByFour::not_taken(size_t count) const {
+    std::vector<bool> is_taken(count);
+    for (const Four& four : fours_)
+        for (uint32_t j : four.joint) is_taken[j] = true;
+    std::vector<size_t> rest;
+    for (size_t j = 0; j < count; ++j)
+        if (!is_taken[j]) rest.push_back(j);
+    return rest;
 }
 
 void JointsByFour::take(const Mechanism& mechanism, std::span<const size_t> four) {
@@ -217,6 +228,18 @@ void JointsByFour::take_axes(std::span<const Joint* const> four) {
     }
 }
 
+/// Calls take(four, its springs, their poses, their states) for every four at t_{n−1}.
+[[gnu::always_inline]] inline void JointsByFour::for_each_before(const Mechanism& mechanism, const auto& take) const {
+    const auto frame = numbers_in(mechanism.before);
+    for (const Four& four : fours_) {
+        const JointPoseOf<Lanes> pose =
+            four.point.pose(axes_[four.axes], gather_frames(frame, four.from), gather_frames(frame, four.to));
+        const auto states = each_of(four.joint, [&](uint32_t j) { return &mechanism.states[j]; });
+        take(four, springs_[four.springs], pose,
+             gather_records<JointStateOf>([&](size_t k) -> auto& { return *states[k]; }));
+    }
+}
+
 DTTMM_WIDE double JointsByFour::add_forces(const Mechanism& mechanism, const std::vector<Frame>& trial,
                                            std::vector<Vector6>& wrench) const {
     return add_forces_at(mechanism, numbers_in(trial), wrenches_in(wrench));
@@ -234,6 +257,41 @@ DTTMM_WIDE void JointsByFour::add_forces(const PortBodies& ports, const dttmm_mo
 
 DTTMM_WIDE void JointsByFour::advance(Mechanism& mechanism, const PortBodies& ports, const dttmm_motion* next) const {
     advance_at(mechanism, numbers_in(ports, next), nullptr);
+}
+
+DTTMM_WIDE void JointsByFour::add_forces_before(const Mechanism& mechanism, std::vector<Vector6>& rates,
+                                                std::vector<Vector6>& wrench) const {
+    const auto take = [&](const Four& four, const SpringsOf<Lanes>& springs, const JointPoseOf<Lanes>& pose,
+                          const JointStateOf<Lanes>& state) {
+        const auto at = each_of(four.joint, [&](uint32_t j) { return rates[j].data(); });
+        SixLanes rate = SixLanes::Zero();
+        if (four.keeps_rates) gather<6>({at[0], at[1], at[2], at[3]}, rate.data());
+        const SixLanes x = state.deformation_before(), f = springs.force(x, springs.along(x), rate);
+        scatter<6>(f.data(), {at[0], at[1], at[2], at[3]});
+        add_wrenches(pose.act(f), four.from, four.to, wrenches_in(wrench));
+    };
+    for_each_before(mechanism, take);
+}
+
+DTTMM_WIDE void JointsByFour::add_mean_forces(const Mechanism& mechanism, std::vector<Vector6>& wrench) const {
+    const double per_step = 1 / mechanism.scheme.step_size();
+    const auto take = [&](const Four& four, const SpringsOf<Lanes>& springs, const JointPoseOf<Lanes>& pose,
+                          const JointStateOf<Lanes>& state) {
+        SixLanes rate = SixLanes::Zero();
+        if (four.keeps_rates) {
+            const auto damper = each_of(four.damper, [&](uint32_t d) { return &mechanism.dampers[d]; });
+            for (int half = 0; half < (springs.turns ? 2 : 1); ++half) {
+                const auto increment = [&](size_t k) { return damper[k]->halves[half].delta[0].data(); };
+                gather<3>({increment(0), increment(1), increment(2), increment(3)}, &rate(3 * half));
+            }
+            rate *= Lanes(per_step);
+        }
+        const SixLanes x = state.deformation_before();
+        JointForceOf<Lanes> force = pose.act(springs.force(x, Lanes(0.5) * springs.along(x), rate));
+        force.add(0.5, state.elastic);
+        add_wrenches(force, four.from, four.to, wrenches_in(wrench));
+    };
+    for_each_before(mechanism, take);
 }
 
 }  // namespace dttmm::plugin

@@ -22,6 +22,8 @@ public:
     size_t size() const { return Lanes::kCount * fours_.size(); }
     /// Those of the joints that were left over, ascending.
     const std::vector<size_t>& others() const { return others_; }
+    /// All joints of so many that it does not take, ascending.
+    std::vector<size_t> not_taken(size_t count) const;
 
     /// Adds their forces over the open step, when it ends with the frames at `trial`, to the wrenches on all frames; returns
     /// the largest one's square [N²].
@@ -32,6 +34,12 @@ public:
     void add_forces(const PortBodies& ports, const dttmm_motion* trial, double* wrenches) const;
     /// Moves the joints' memory on; the host has had their forces. mechanism: that of the ports, its frames still at t_n.
     void advance(Mechanism& mechanism, const PortBodies& ports, const dttmm_motion* next) const;
+
+    /// Adds their forces at t_{n−1} to the wrenches on all frames. rates: of the deformations then, [d; relative turn] of
+    /// those joints that have dampers; takes the forces of all, [force; moment], joint axes.
+    void add_forces_before(const Mechanism& mechanism, std::vector<Vector6>& rates, std::vector<Vector6>& wrench) const;
+    /// Adds their mean forces over the step from there to t_n, where Newmark's rule has means of the elastic ones.
+    void add_mean_forces(const Mechanism& mechanism, std::vector<Vector6>& wrench) const;
 
 private:
     using Indices = uint32_t[Lanes::kCount];
@@ -46,6 +54,7 @@ private:
     // wrench itself may be nullptr: forces are not added
     double add_forces_at(const Mechanism& mechanism, const auto& frame, const auto& wrench) const;
     void advance_at(Mechanism& mechanism, const auto& frame, const auto& wrench) const;
+    void for_each_before(const Mechanism& mechanism, const auto& take) const;
     void take(const Mechanism& mechanism, std::span<const size_t> four);
     void take_springs(std::span<const Joint* const> four);
     void take_axes(std::span<const Joint* const> four);

@@ -97,6 +97,17 @@ struct SpringsOf {
     Force act(const JointPoseOf<Real>& pose, const Drawn& e, const Vector3Of<Real>& theta, Vector3Of<Real> force,
               Vector3Of<Real> by_theta, Vector3Of<Real> moment) const;
 
+    /// Forces of linear springs along the deformations x, gradients by θ.
+    Eigen::Matrix<Real, 6, 1> along(const Eigen::Matrix<Real, 6, 1>& x) const {
+        Eigen::Matrix<Real, 6, 1> f;
+        f << halves[0].stiffness.cwiseProduct(x.template head<3>()), halves[1].stiffness.cwiseProduct(x.template tail<3>());
+        return f;
+    }
+    /// The force law at one instant, [force; moment] on the `from` end in the joint's axes: of springs with the forces
+    /// `along` the deformations x (gradients by θ), and of dampers with the rates [d; relative turn].
+    Eigen::Matrix<Real, 6, 1> force(const Eigen::Matrix<Real, 6, 1>& x, const Eigen::Matrix<Real, 6, 1>& along,
+                                    const Eigen::Matrix<Real, 6, 1>& rate) const;
+
     /// rest: of the joint's point; to_axes: those that are the joint's at rest and go with the `to` frame. The elastic force
     /// is needed by `advance`, and by `weigh` where rates do not count.
     Strained strain(const Vector3Of<Real>& rest, const JointPoseOf<Real>& pose, const Matrix3Of<Real>& to_axes,
@@ -150,6 +161,20 @@ template <class Real>
     // Of a gradient m = J⁻ᵀ(θ) ∂U/∂θ, for δθ = J⁻¹ ε
     if (turns) moment = (pose.axes * (moment + moment_of_gradient<Real>(theta, by_theta))).eval();
     return pose.act(pose.axes * force, moment);
+}
+
+template <class Real>
+[[gnu::always_inline]] inline Eigen::Matrix<Real, 6, 1> SpringsOf<Real>::force(const Eigen::Matrix<Real, 6, 1>& x,
+                                                                               const Eigen::Matrix<Real, 6, 1>& along,
+                                                                               const Eigen::Matrix<Real, 6, 1>& rate) const {
+    const Vector3Of<Real> theta = x.template tail<3>();
+    Vector3Of<Real> force = along.template head<3>() + halves[0].damping.cwiseProduct(rate.template head<3>()),
+                    by_theta = along.template tail<3>(), moment = Vector3Of<Real>::Zero();
+    spread(drawn(x.template head<3>(), theta), force, by_theta);
+    if (turns) moment = moment_of_gradient<Real>(theta, by_theta) + halves[1].damping.cwiseProduct(rate.template tail<3>());
+    Eigen::Matrix<Real, 6, 1> f;
+    f << force, moment;
+    return f;
 }
 
 template <class Real>

@@ -25,7 +25,7 @@ void BodyJoints::linearise(const dttmm_motion* motions, double* wrench, double* 
         const JointPose pose = joint.pose(from, to);
         const Vector6 deformation = joint.deformation(pose, from, to);
         const double* const memory = mechanism_.memory(j);
-        const Vector6 force = joint.force(deformation, joint.rate(from, v_from, to, v_to, deformation), memory);
+        const Vector6 force = joint.force(deformation, joint.rate(pose, v_from, v_to, deformation), memory);
         bodies_.add_wrench(joint, pose.act(force), wrench);
         if (stiffness) blocks_.add(j, joint.stiffness(pose, joint.stiffness_tangent(deformation, memory)), stiffness);
         if (damping) blocks_.add(j, joint.stiffness(pose, joint.damping_tangent(deformation)), damping);

@@ -24,6 +24,7 @@ public:
     double find_worst_prediction(const dttmm_motion* motions);
     /// earlier: takes the frames at t_{n−1} as they were.
     void commit(const dttmm_motion* motions, std::vector<Frame>& earlier);
+    const JointsByFour& by_four() const { return by_four_; }
 
 private:
     void evaluate_singles(const dttmm_motion* motions, double* wrench) const;

@@ -16,11 +16,10 @@ InnerForces::InnerForces(Inside& inside) : inside_(inside), rigid_known_(inside.
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const bool is_plain = inside.near_index[j] < 0 && inside.rigid_index[j] < 0 && !inside.massless.is_settling(j) &&
                               !mechanism.joints[j].has_laws();
-        (is_plain ? plain : others_).push_back(j);
+        if (is_plain) plain.push_back(j);
     }
     by_four_ = {mechanism, plain};
-    others_.insert(others_.end(), by_four_.others().begin(), by_four_.others().end());
-    std::ranges::sort(others_);
+    others_ = by_four_.not_taken(mechanism.joints.size());
 }
 
 void InnerForces::look_at_joints() {

@@ -24,6 +24,7 @@ public:
     /// Those over the step that is taken and ends at the trial, each a pair that balances exactly. The memory of the
     /// joints moves on. mechanism: that of the inside.
     void take_step(Mechanism& mechanism, const InnerMotion& motion);
+    const JointsByFour& by_four() const { return by_four_; }
 
 private:
     JointForce rigid_action(size_t joint, const JointPose& at_end, const Vector3& theta, const Vector6& q) const;

@@ -120,8 +120,9 @@ void InnerStart::balance(double h) {
             const auto now = [&](int frame) {
                 return inside_.is_inner(frame) ? velocities[inside_.at(frame)] : velocity(frame);
             };
-            const Vector6 deformation = joint.deformation(joint.pose(from, to), from, to);
-            return InstantBalances::Acting{deformation, joint.rate(from, now(joint.from()), to, now(joint.to())),
+            const JointPose pose = joint.pose(from, to);
+            const Vector6 deformation = joint.deformation(pose, from, to);
+            return InstantBalances::Acting{deformation, joint.rate(pose, now(joint.from()), now(joint.to()), deformation),
                                            joint.elastic(deformation, mechanism.memory(j))};
         },
         [&](size_t i) { return inside_.frame_load(i).load[1]; }, velocities, corrections, rigid);
@@ -138,7 +139,7 @@ JointForce InnerStart::force(size_t j) const {
     const JointPose pose = joint.pose(from, to);
     const Vector6 x = joint.deformation(pose, from, to);
     return pose.act(
-        joint.force(x, joint.rate(from, velocity(joint.from()), to, velocity(joint.to()), x), inside_.mechanism.memory(j)));
+        joint.force(x, joint.rate(pose, velocity(joint.from()), velocity(joint.to()), x), inside_.mechanism.memory(j)));
 }
 
 std::vector<Twist> InnerStart::set_inertias(Inside& inside, std::span<const Vector6> wrenches) const {

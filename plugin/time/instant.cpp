@@ -8,14 +8,29 @@
 
 namespace dttmm::plugin {
 
-Instant::Instant(const PortBodies& bodies, Interior* interior)
+Instant::Instant(const PortBodies& bodies, Interior* interior, const JointsByFour& by_four)
     : bodies_(bodies),
       mechanism_(bodies.mechanism),
       interior_(interior),
+      by_four_(by_four),
+      others_(by_four.not_taken(mechanism_.joints.size())),
       has_rates_by_increments_(interior && interior->has_rigid_directions()),
       port_velocities_(bodies.bodies.size()),
       forces_(mechanism_.joints.size(), Vector6::Zero()),
-      wrenches_(mechanism_.frames.size(), Vector6::Zero()) {}
+      wrenches_(mechanism_.frames.size(), Vector6::Zero()) {
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j)
+        if (mechanism_.damper(j) && !std::ranges::binary_search(others_, j)) damped_by_four_.push_back(j);
+}
+
+JointPose Instant::pose(size_t j) const {
+    const Joint& joint = mechanism_.joints[j];
+    return joint.pose(mechanism_.frame_before(joint.from()), mechanism_.frame_before(joint.to()));
+}
+
+void Instant::add_wrench(size_t j, const JointForce& force) {
+    const Joint& joint = mechanism_.joints[j];
+    Joint::add_wrench(force, wrenches_[as_size(joint.from())].data(), wrenches_[as_size(joint.to())].data());
+}
 
 Twist Instant::velocity(int frame) const {
     if (frame < bodies_.count()) return port_velocities_[as_size(frame)];
@@ -25,12 +40,10 @@ Twist Instant::velocity(int frame) const {
 /// Of a joint's deformation. The forces of rigid directions are known over a step only. Velocities at the instant lack what
 /// these forces change within it, and a stiff damper would make large forces of that. Where the machine has rigid
 /// directions, rates are therefore those of the increments.
-Vector6 Instant::deformation_rate(size_t j) const {
+Vector6 Instant::deformation_rate(size_t j, const JointPose& at) const {
     const Joint& joint = mechanism_.joints[j];
-    const FrameView from = mechanism_.frame_before(joint.from()), to = mechanism_.frame_before(joint.to());
     const auto rate_of = [&](const Twist& v_from, const Twist& v_to) {
-        if (!joint.is_line()) return joint.rate(from, v_from, to, v_to);
-        return joint.rate(from, v_from, to, v_to, mechanism_.states[j].deformation_before());
+        return joint.rate(at, v_from, v_to, mechanism_.states[j].deformation_before());
     };
     if (!(by_increments_ || has_rates_by_increments_) || mechanism_.steps == 1)
         return rate_of(velocity(joint.from()), velocity(joint.to()));
@@ -47,8 +60,9 @@ Vector6 Instant::deformation_rate(size_t j) const {
 /// dampers have the mean rate.
 void Instant::find_mean_wrenches() {
     const double h = mechanism_.scheme.step_size();
-    std::fill(wrenches_.begin(), wrenches_.end(), Vector6::Zero());
-    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+    std::ranges::fill(wrenches_, Vector6::Zero());
+    by_four_.add_mean_forces(mechanism_, wrenches_);
+    for (size_t j : others_) {
         const Joint& joint = mechanism_.joints[j];
         const JointState& state = mechanism_.states[j];  // d_before is that at t_n
         const Vector6 x = state.deformation_before();
@@ -60,33 +74,32 @@ void Instant::find_mean_wrenches() {
         Vector6 f = joint.force(x, rate, mechanism_.memory_before(j), 0.5);
         if (joint.has_laws()) f += joint.beyond_mean(mechanism_.scheme, x, state.deformation(), mechanism_.memory_before(j));
         if (joint.rigid().any()) f += interior_->instant().rigid_force_over_step(j);
-        const auto from = as_size(joint.from()), to = as_size(joint.to());
-        JointForce force = joint.pose(mechanism_.before[from], mechanism_.before[to]).act(f);
+        JointForce force = pose(j).act(f);
         force.add(0.5, state.elastic);
-        Joint::add_wrench(force, wrenches_[from].data(), wrenches_[to].data());
+        add_wrench(j, force);
     }
     if (interior_) interior_->instant().find_velocities(wrenches_);
 }
 
 /// Forces of the joints and wrenches on the frames, as velocities and rigid directions are known.
 void Instant::find_forces() {
-    std::fill(wrenches_.begin(), wrenches_.end(), Vector6::Zero());
-    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+    std::ranges::fill(wrenches_, Vector6::Zero());
+    for (size_t j : damped_by_four_) forces_[j] = deformation_rate(j, pose(j));
+    by_four_.add_forces_before(mechanism_, forces_, wrenches_);
+    for (size_t j : others_) {
         const Joint& joint = mechanism_.joints[j];
-        const JointState& state = mechanism_.states[j];
-        const auto from = as_size(joint.from()), to = as_size(joint.to());
-        Vector6& f = forces_[j] =
-            joint.force(state.deformation_before(), mechanism_.damper(j) ? deformation_rate(j) : Vector6(Vector6::Zero()),
-                        mechanism_.memory_before(j));
+        const JointPose at = pose(j);
+        Vector6& f = forces_[j] = joint.force(mechanism_.states[j].deformation_before(),
+                                              mechanism_.damper(j) ? deformation_rate(j, at) : Vector6(Vector6::Zero()),
+                                              mechanism_.memory_before(j));
         if (joint.rigid().any()) f += interior_->instant().rigid_force(j);
-        const JointForce force = joint.pose(mechanism_.before[from], mechanism_.before[to]).act(f);
-        Joint::add_wrench(force, wrenches_[from].data(), wrenches_[to].data());
+        add_wrench(j, at.act(f));
     }
 }
 
 void Instant::find_by_port_velocities() {
     const auto velocity_of = [&](int frame) { return velocity(frame); };
-    if (interior_) interior_->instant().find_massless_velocities([&](size_t j) { return deformation_rate(j); });
+    if (interior_) interior_->instant().find_massless_velocities([&](size_t j) { return deformation_rate(j, pose(j)); });
     find_forces();
     if (interior_ && interior_->instant().is_to_balance_rigid()) {
         interior_->instant().balance_rigid(wrenches_, velocity_of);
@@ -133,8 +146,7 @@ void Instant::add_rigid_wrenches(double* wrench) const {
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
         if (joint.rigid().none() || std::min(joint.from(), joint.to()) >= bodies_.count()) continue;
-        const JointPose pose = joint.pose(mechanism_.frame_before(joint.from()), mechanism_.frame_before(joint.to()));
-        bodies_.add_wrench(joint, pose.act(interior_->instant().rigid_force_over_step(j)), wrench);
+        bodies_.add_wrench(joint, pose(j).act(interior_->instant().rigid_force_over_step(j)), wrench);
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "mechanism/joints_by_four.h"
 #include "mechanism/port_bodies.h"
 #include "time/interior.h"
 
@@ -12,8 +13,8 @@ namespace dttmm::plugin {
 /// wrenches on the frames at their origins, world.
 class Instant {
 public:
-    /// interior: NULL: nothing moves inside. Keeps both.
-    Instant(const PortBodies& bodies, Interior* interior);
+    /// interior: NULL: nothing moves inside; by_four: some of the joints. Keeps all.
+    Instant(const PortBodies& bodies, Interior* interior, const JointsByFour& by_four);
 
     /// The mean wrenches over the step; velocities inside go with them.
     void find_mean_wrenches();
@@ -37,13 +38,17 @@ public:
 
 private:
     Twist velocity(int frame) const;
-    Vector6 deformation_rate(size_t joint) const;
+    JointPose pose(size_t joint) const;
+    Vector6 deformation_rate(size_t joint, const JointPose& pose) const;
+    void add_wrench(size_t joint, const JointForce& force);
     void find_forces();
     void find_by_port_velocities();
 
     PortBodies bodies_;
     const Mechanism& mechanism_;
     Interior* interior_;
+    const JointsByFour& by_four_;
+    std::vector<size_t> others_, damped_by_four_;  ///< joints that do not go by four; those with dampers that do
     bool has_rates_by_increments_;
     std::vector<Twist> port_velocities_;
     std::vector<Vector6> forces_, wrenches_;

@@ -66,6 +66,7 @@ public:
     void commit(Ports ports);
 
     /// At t_n, the start of the step last committed.
+    const JointsByFour& by_four() const { return forces_.by_four(); }
     InteriorInstant& instant() { return instant_; }
     const InteriorInstant& instant() const { return instant_; }
     double work() const;  ///< of gravity and loads since the start, up to then

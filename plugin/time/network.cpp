@@ -42,7 +42,7 @@ Network::Network(const dttmm_network& description, Places places)
       joints_(interior_ ? nullptr : std::make_unique<BodyJoints>(mechanism_, bodies_, blocks_)),
       has_laws_(std::ranges::any_of(mechanism_.joints, &Joint::has_laws)),
       start_velocities_(places_.bodies.size()),
-      instant_(bodies_, interior_.get()),
+      instant_(bodies_, interior_.get(), interior_ ? interior_->by_four() : joints_->by_four()),
       results_(description, places_, mechanism_, interior_.get()) {
     for (Joint& joint : mechanism_.joints)
         joint.report_work(description.at_work, places_.elements[as_size(joint.element())]);

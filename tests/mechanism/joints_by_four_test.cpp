@@ -45,8 +45,11 @@ public:
         const auto twist = [&](int) { return Twist{any(2), any(30)}; };
         mechanism_->start_joints(twist, twist);
         mechanism_->steps = 3;
-        trial_ = mechanism_->frames;
+        trial_ = mechanism_->before = mechanism_->frames;
         shake(trial_, 1e-4);
+        shake(mechanism_->before, 1e-4);
+        rates_.resize(mechanism_->joints.size());
+        for (Vector6& rate : rates_) rate << any(1), any(20);
         // One frame turns far: its joints leave the small angles of the rest
         const Frame now = trial_[7];
         Eigen::Map<RowMajor3>{trial_[7].rotation} = rotation_from_vector(Vector3(largest_turn, 0, 0)) * now.axes();
@@ -54,6 +57,7 @@ public:
 
     const Mechanism& mechanism() const { return *mechanism_; }
     const std::vector<Frame>& trial() const { return trial_; }
+    const std::vector<Vector6>& rates() const { return rates_; }  ///< of the joints' deformations at t_{n−1}
     /// All joints; or, if alike, those with both axes along their frames' and a lever, as most of a beam.
     std::vector<size_t> joints(bool alike) const {
         std::vector<size_t> list;
@@ -77,6 +81,7 @@ private:
     NetworkModel model_;
     std::unique_ptr<Mechanism> mechanism_;
     std::vector<Frame> trial_;
+    std::vector<Vector6> rates_;
     std::mt19937 random_{3};
     std::normal_distribution<double> normal_;
 };
@@ -96,17 +101,25 @@ bool agree(const double* a, const double* b, size_t count, double share) {
 }
 
 struct Answer {
-    std::vector<Vector6> forces, committed;  ///< wrenches on all frames
+    std::vector<Vector6> forces, committed, before,
+        mean;                        ///< wrenches on all frames; at t_{n−1}, and over the step behind it
+    std::vector<Vector6> of_joints;  ///< [force; moment] of every joint at t_{n−1}, or its rates
     Mechanism after;
     double largest = 0;
 
     explicit Answer(const SomeJoints& model)
-        : forces(model.trial().size(), Vector6::Zero()), committed(forces), after(model.mechanism()) {}
+        : forces(model.trial().size(), Vector6::Zero()),
+          committed(forces),
+          before(forces),
+          mean(forces),
+          of_joints(model.rates()),
+          after(model.mechanism()) {}
 
     void expect_like(const Answer& other, double share) const {
         const size_t wrenches = 6 * forces.size();
-        EXPECT_TRUE(agree(forces[0].data(), other.forces[0].data(), wrenches, share));
-        EXPECT_TRUE(agree(committed[0].data(), other.committed[0].data(), wrenches, share));
+        for (const auto kind : {&Answer::forces, &Answer::committed, &Answer::before, &Answer::mean})
+            EXPECT_TRUE(agree((this->*kind)[0].data(), (other.*kind)[0].data(), wrenches, share));
+        EXPECT_TRUE(agree(of_joints[0].data(), other.of_joints[0].data(), 6 * of_joints.size(), share));
         EXPECT_LE(std::abs(largest - other.largest), share * other.largest);
         const auto numbers = [](const auto& state) { return reinterpret_cast<const double*>(&state); };
         for (size_t j = 0; j < after.states.size(); ++j) {
@@ -133,6 +146,20 @@ Answer one_by_one(const SomeJoints& model, std::span<const size_t> joints) {
         JointForce committed;
         joint.advance(m.scheme, trial, m.ends(j), answer.after.states[j], answer.after.damper(j), {}, &committed);
         Joint::add_wrench(committed, answer.committed[a].data(), answer.committed[b].data());
+
+        const JointPose at = joint.pose(m.frame_before(joint.from()), m.frame_before(joint.to()));
+        const Vector6 x = m.states[j].deformation_before();
+        Vector6 rate = Vector6::Zero(), mean_rate = rate;
+        if (const DamperState* damper = m.damper(j)) {
+            rate = model.rates()[j];
+            mean_rate << damper->halves[0].delta[0], damper->halves[1].delta[0];
+            mean_rate /= m.scheme.step_size();
+        }
+        answer.of_joints[j] = joint.force(x, rate, nullptr);
+        Joint::add_wrench(at.act(answer.of_joints[j]), answer.before[a].data(), answer.before[b].data());
+        JointForce mean = at.act(joint.force(x, mean_rate, nullptr, 0.5));
+        mean.add(0.5, m.states[j].elastic);
+        Joint::add_wrench(mean, answer.mean[a].data(), answer.mean[b].data());
     }
     return answer;
 }
@@ -142,6 +169,8 @@ Answer by_four(const SomeJoints& model, std::span<const size_t> joints) {
     const JointsByFour four(model.mechanism(), joints);
     answer.largest = four.add_forces(model.mechanism(), model.trial(), answer.forces);
     four.advance(answer.after, model.trial(), answer.committed);
+    four.add_forces_before(model.mechanism(), answer.of_joints, answer.before);
+    four.add_mean_forces(model.mechanism(), answer.mean);
     return answer;
 }
 

@@ -26,6 +26,24 @@ void scale(dttmm_harmonic& load, std::complex<double> factor) {
     }
 }
 
+/// How far its motion has turned a support in the machine at rest, beside vibrations, as a rotation vector.
+Eigen::Vector3d rotation_at_rest(const Node& node) {
+    Eigen::Vector3d turn;
+    for (size_t d = 0; d < 3; ++d) turn(as_row(d)) = node.motion[3 + d] ? node.motion[3 + d]->value(0) : 0;
+    return turn;
+}
+
+/// J of δφ = J δθ: how far what the rotation vector θ has turned turns on for a small change of that, world axes.
+Eigen::Matrix3d turn_by_vector(const Eigen::Vector3d& theta) {
+    const double angle = theta.norm();
+    if (angle == 0) return Eigen::Matrix3d::Identity();
+    const Eigen::Vector3d a = theta / angle;
+    Eigen::Matrix3d cross;
+    cross << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+    const double along = std::sin(angle) / angle, half = std::sin(0.5 * angle);
+    return along * Eigen::Matrix3d::Identity() + (1 - along) * a * a.transpose() + 2 * half * half / angle * cross;
+}
+
 }  // namespace
 
 /// Its speed as the model has it [rad/s]; 0 where its amplitude does not rest on one.
@@ -72,7 +90,8 @@ Excitation::Excitation(const Model& model, const ModalMachine& machine) {
             const auto& signal = node.vibrations[as_size(d)];
             const ModalPlace* place = machine.find(node.name);
             if (!signal || node.vibration_factor == 0 || !place) continue;
-            const ModalMachine::Complex6 unit = node.vibration_factor * ModalMachine::Complex6::Unit(d);
+            ModalMachine::Complex6 unit = node.vibration_factor * ModalMachine::Complex6::Unit(d);
+            if (machine.rest()) unit.tail<3>() = (turn_by_vector(rotation_at_rest(node)) * unit.tail<3>()).eval();
             add(*signal, ModalMachine::motion_at(*place, unit),
                 fmt::format("{}: node \"{}\": motion", node.motion_place, node.name));
         }

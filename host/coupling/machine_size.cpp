@@ -9,6 +9,13 @@
 
 namespace dttmm::host {
 
+namespace {
+
+/// Size of a machine that stands at one point, as a mass on a spring of no length: it has no other length to go by [m].
+constexpr double kSizeOfPoint = 1;
+
+}  // namespace
+
 std::vector<BodyState> states_at_start(const Model& model) {
     std::vector<BodyState> states;
     for (const Body& body : model.bodies)
@@ -38,6 +45,7 @@ MachineSize::MachineSize(const Model& model, const std::vector<JointEquations>& 
     for (const JointEquations& joint : joints)
         if (joint.has_stops() && !joint.turns())
             for (const double stop : joint.stops()) span = std::max(span, std::abs(stop));
+    if (span == 0) span = kSizeOfPoint;
     extent = std::max(extent, span);
 }
 

@@ -271,6 +271,14 @@ std::optional<int> DynamicStiffness::factor(double lambda, bool with_mass) {
     return elimination_->negatives();
 }
 
+bool DynamicStiffness::factor_far_below(double lambda) {
+    evaluate_waves(0, true);
+    for (Waves& own : waves_) own.stiffness -= lambda * own.mass;
+    lambda_ = lambda;
+    assemble();
+    return !elimination_->factor();
+}
+
 std::vector<double> DynamicStiffness::solve(FrameVector& r) const {
     for (Vector6& own : r) own = model_.mask * own;
     std::vector<double> q(as_size(elimination_->rigid_count()));

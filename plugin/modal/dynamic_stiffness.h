@@ -48,6 +48,9 @@ public:
     /// Sets D(λ) and factors it; the number of natural frequencies below ω. Nothing: λ belongs to one of them, to rounding.
     /// Without −∂D/∂λ it is quicker, and only counts.
     std::optional<int> factor(double lambda, bool with_mass = true);
+    /// Factors K − λ M, in which lines have the stiffness and the mass that they have at λ = 0: for λ so far below zero that
+    /// their waves would overflow. Returns whether it is regular.
+    bool factor_far_below(double lambda);
 
     // At the λ last set:
     double lambda() const { return lambda_; }

@@ -41,7 +41,7 @@ std::vector<PointForce> reactions_to(const std::vector<PointForce>& forces, Freq
     DynamicStiffness stiffness(model);
     stiffness.cut(0);
     const double stiffest = stiffness.stiffest();
-    if (!stiffness.factor(stiffest > 0 ? -kAtRest * stiffest : -1, false))
+    if (!stiffness.factor_far_below(stiffest > 0 ? -kAtRest * stiffest : -1))
         throw Error(DTTMM_ERROR_NUMERIC, "the reactions to the forces of its springs at the start cannot be determined");
     FrameVector r(as_size(stiffness.frame_count()), Vector6::Zero());
     for (const PointForce& acting : forces) {

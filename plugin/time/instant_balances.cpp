@@ -108,18 +108,20 @@ void InstantBalances::add_balance(const Mechanism& mechanism, const Balance& bal
     const Vector6 force = other + joint.damping(deformation, rate);
     const Matrix6 per_rate = joint.damping_tangent(deformation),
                   per_deformation = joint.stiffness_tangent(deformation, mechanism.memory_before(j));
-    Matrix6 G[2] = {joint.by_from(pose), joint.by_to(pose)};
-    // A lever that is deformation alone damps no rotation to speak of
-    if (joint.seat().rest.isZero(1e-9)) G[0].topRightCorner<3, 3>().setZero();
+    const Matrix6 G[2] = {joint.by_from(pose), joint.by_to(pose)};
+    // A lever that is deformation alone damps no rotation to speak of; forces have moments by it
+    Matrix6 damped[2] = {G[0], G[1]};
+    if (joint.seat().rest.isZero(1e-9)) damped[0].topRightCorner<3, 3>().setZero();
     const int frames[2] = {frame_in(mechanism, balance, joint.from()), frame_in(mechanism, balance, joint.to())};
     for (int row : {0, 1}) {
         if (frames[row] < 0) continue;
         balance.right_hand_side.segment<6>(6 * frames[row]) -= G[row].transpose() * force;
         for (int column : {0, 1}) {
             if (frames[column] < 0) continue;
-            balance.matrix.block<6, 6>(6 * frames[row], 6 * frames[column]) += G[row].transpose() * per_rate * G[column];
+            balance.matrix.block<6, 6>(6 * frames[row], 6 * frames[column]) +=
+                damped[row].transpose() * per_rate * damped[column];
             balance.stiffness.block<6, 6>(6 * frames[row], 6 * frames[column]) +=
-                G[row].transpose() * per_deformation * G[column];
+                damped[row].transpose() * per_deformation * damped[column];
         }
     }
     if (joint.rigid().none()) return;

@@ -643,6 +643,56 @@ TEST_F(SteadyVibration, ARunOnMovingSupportsBecomesTheResponse) {
     }
 }
 
+// Oracle: the same machine, assembled as its support has turned it, and the rotation of that by hand: a small change δθ of a
+// rotation vector of the angle φ about y turns by δφ_x = (sin φ δθ_x + (1 − cos φ) δθ_z)/φ, δφ_z = (sin φ δθ_z −
+// (1 − cos φ) δθ_x)/φ. The vectors of a run are those of the model.
+TEST_F(SteadyVibration, ASupportThatStandsTurnedTurnsByItsRotationVector) {
+    constexpr double kAngle = 0.6, kX = 1e-4, kZ = 5e-5;
+    const double s = std::sin(kAngle) / kAngle, c = (1 - std::cos(kAngle)) / kAngle;
+    const auto machine = [&](const std::string& turn, const std::string& place, double x, double z, const std::string& y) {
+        const std::string harmonic = "{{ type = \"harmonic\", amplitude = {:.17g}, phase = 0.4 }}";
+        return fmt::format(R"(format = "dttmm/1"
+[nodes]
+foot = {{ position = [0, 0, 0], {}fixed = ["x", "y", "z", "rx", "ry", "rz"], motion = {{ rx = {}, ry = {}, rz = {} }} }}
+[[body]]
+name = "head"
+mass = 2
+inertia = [0.1, 0.2, 0.15]
+position = {}
+{}markers = {{ m = [-0.5, 0.1, 0] }}
+[[element]]
+name = "neck"
+type = "spring_damper"
+from = "foot"
+to = "head.m"
+stiffness = [1e4, 2e4, 1.5e4]
+damping = [100, 50, 70]
+rotational_stiffness = [300, 400, 500]
+rotational_damping = 6
+)",
+                           turn, fmt::format(fmt::runtime(harmonic), x), y, fmt::format(fmt::runtime(harmonic), z), place,
+                           turn.empty() ? "" : "rotation = { axis = [0, 1, 0], angle = 0.6 }\n");
+    };
+    const std::vector<std::string> words = {"--from", "2 Hz", "--to", "9 Hz", "--points", "3", "-q"};
+    const Table moved = response(machine("", "[0.5, -0.1, 0]", kX, kZ, "0.6"), words);
+    const std::string place = fmt::format("[{:.17g}, -0.1, {:.17g}]", 0.5 * std::cos(kAngle), -0.5 * std::sin(kAngle));
+    const Table placed = response(
+        machine("rotation = { axis = [0, 1, 0], angle = 0.6 }, ", place, s * kX + c * kZ, s * kZ - c * kX, "0"), words);
+    ASSERT_EQ(moved.rows.size(), 3u);
+    ASSERT_EQ(moved.names, placed.names);
+    for (size_t i = 0; i < 3; ++i)
+        for (const char* channel : {"head.position", "neck.force", "neck.moment", "head.angular_velocity"}) {
+            double largest = 0;
+            for (const char* axis : {".x", ".y", ".z"})
+                largest = std::max(largest, std::abs(placed.amplitude(i, std::string(channel) + axis)));
+            EXPECT_GT(largest, 0);
+            for (const char* axis : {".x", ".y", ".z"}) {
+                const std::string name = std::string(channel) + axis;
+                EXPECT_LT(std::abs(moved.amplitude(i, name) - placed.amplitude(i, name)), 1e-9 * largest) << name;
+            }
+        }
+}
+
 // Oracle: the loads' absence and their cure.
 TEST_F(SteadyVibration, WrongQuestionsAreRefused) {
     const std::string harmonic = kMassOnSpring + "harmonic = { amplitude = \"1 N\" }\n",

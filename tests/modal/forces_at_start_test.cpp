@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <numbers>
+#include <vector>
 
 #include "core/error.h"
 #include "core/rotation.h"
@@ -18,6 +19,7 @@ namespace dttmm::plugin {
 namespace {
 
 using test::NetworkModel;
+using test::tube;
 using testing::HasSubstr;
 
 dttmm_modal_model all_of(const dttmm_network& network) { return {&network, 0, nullptr, 0b111111, 0, nullptr}; }
@@ -195,6 +197,53 @@ TEST(ForcesAtStart, AHingeBearsThem) {
         dttmm_mode mode;
         analysis.mode(0, &mode, nullptr, nullptr, nullptr);
         EXPECT_NEAR(mode.frequency, std::sqrt(k / inertia) / (2 * std::numbers::pi), 2e-5 * mode.frequency) << preload;
+    }
+}
+
+/// The lowest frequencies of a flap on a hinge at the tip of a beam, drawn by a spring along a line, and of a second beam
+/// that has nothing to do with it; all turned [Hz].
+std::vector<double> flap_on_beam(const Matrix3& turned) {
+    const auto at = [&](double x, double y, double z) { return Vector3(turned * Vector3(x, y, z)); };
+    NetworkModel model;
+    model.node("wall", DTTMM_NODE_GROUND, at(-0.9, 0, 0), turned);
+    model.node("frame", DTTMM_NODE_GROUND, at(0.3, 0.1, -0.7), turned);
+    model.node("floor", DTTMM_NODE_GROUND, at(2, 1, 0.3), turned);
+    model.node("tip", DTTMM_NODE_INNER, at(0, 0, 0), turned);
+    model.node("pivot", DTTMM_NODE_INNER, at(0, 0, 0), turned);
+    model.node("ball", DTTMM_NODE_INNER, at(0.19, 0.05, -0.015), turned);
+    model.node("top", DTTMM_NODE_INNER, at(2, 1, 1.4), turned);
+    model.element("arm", "beam", {"wall", "tip"}, tube(4));
+    model.element("post", "beam", {"floor", "top"}, tube(3));
+    model.element("flap", "rigid_body", {"pivot", "ball"},
+                  {{"mass", {6.4}},
+                   {"center_of_mass", {0.31, 0.03, -0.02}},
+                   {"inertia.xx", {0.05}},
+                   {"inertia.yy", {0.21}},
+                   {"inertia.zz", {0.24}}});
+    model.element("hinge", "elastic_hinge", {"tip", "pivot"}, {{"stiffness.ry", {0}}});
+    model.element("spring", "axial_spring", {"frame", "ball"}, {{"stiffness", {3500}}, {"preload", {140}}});
+    const dttmm_network network = model.description();
+    ModalAnalysis analysis(all_of(network));
+    std::vector<double> frequencies(analysis.find_modes(8, 0));
+    for (uint32_t m = 0; m < frequencies.size(); ++m) {
+        dttmm_mode mode;
+        analysis.mode(m, &mode, nullptr, nullptr, nullptr);
+        frequencies[m] = mode.frequency;
+    }
+    return frequencies;
+}
+
+// Oracle: the same machine along the axes. Far below zero, where the masses bear the reactions, the waves of a beam
+// overflow.
+TEST(ForcesAtStart, BeamsBesideThemMayStandAnyWay) {
+    const std::vector<double> along_axes = flap_on_beam(Matrix3::Identity());
+    ASSERT_GE(along_axes.size(), 8u);
+    for (int i = 0; i < 12; ++i) {
+        const std::vector<double> turned =
+            flap_on_beam(rotation_from_vector(Vector3(0.3 * i - 1, 0.2 + 0.1 * i, 0.7 - 0.23 * i)));
+        ASSERT_EQ(turned.size(), along_axes.size()) << i;
+        for (size_t m = 0; m < turned.size(); ++m)
+            EXPECT_NEAR(turned[m], along_axes[m], 1e-8 * along_axes[m]) << i << ' ' << m;
     }
 }
 

@@ -349,9 +349,9 @@ std::unique_ptr<Simulation> bring_to_rest(const Model& model, const Plugins& plu
 /// At rest there are no velocities and accelerations. Of a node with next to no mass a run records rounding of its forces
 /// over its mass: up to 1e12 m/s^2 have been seen.
 void forget_motion(const std::vector<Channel>& channels, std::vector<double>& row) {
+    constexpr std::string_view kUnits[] = {"m/s", "rad/s", "m/s^2", "rad/s^2"};
     for (size_t c = 0; c < channels.size(); ++c)
-        for (const char* unit : {"m/s", "rad/s", "m/s^2", "rad/s^2"})
-            if (channels[c].unit() == unit) row[c] = 0;
+        if (std::ranges::find(kUnits, std::string_view(channels[c].unit())) != std::end(kUnits)) row[c] = 0;
 }
 
 /// load_case: one of the model; null: all loads act.

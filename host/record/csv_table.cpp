@@ -24,7 +24,7 @@ CsvTable& CsvTable::add(double value) {
 
 CsvTable& CsvTable::add(std::string_view text) {
     separate();
-    text_ += csv_field(std::string(text));
+    text_ += csv_field(text);
     return *this;
 }
 

@@ -16,7 +16,7 @@
 namespace dttmm::host {
 
 /// `text` as a field of a CSV file: between quotes where it needs them (RFC 4180).
-std::string csv_field(const std::string& text);
+std::string csv_field(std::string_view text);
 
 /// Two rows: the names of `columns`, then their units.
 std::string csv_header(const std::vector<Column>& columns);

@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <deque>
-#include <set>
+#include <functional>
+#include <queue>
 #include <utility>
 
 #include "core/index.h"
@@ -12,7 +13,13 @@ namespace dttmm::plugin {
 
 namespace {
 
-using Graph = std::vector<std::set<int>>;
+/// Of every frame its neighbours, ascending.
+using Graph = std::vector<std::vector<int>>;
+
+void join(std::vector<int>& neighbours, int frame) {
+    const auto at = std::ranges::lower_bound(neighbours, frame);
+    if (at == neighbours.end() || *at != frame) neighbours.insert(at, frame);
+}
 
 /// Order of elimination: frames with one neighbour left as long as there are any, in the order in which they come up, so
 /// that a chain is eaten from both tips; among them those held by something known last, so that the frames of a tree that
@@ -23,16 +30,16 @@ std::vector<int> find_order(Graph& graph, const std::vector<bool>& is_held) {
     Graph left = graph;
     std::vector<bool> done(n), queued(n);
     std::deque<int> free_tips, held_tips;
-    std::set<std::pair<size_t, int>> by_degree;
-    const auto queue_if_tip = [&](size_t f) {
+    // Number of neighbours and frame, the fewest first; entries of former numbers stay in it
+    using Entry = std::pair<size_t, int>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> by_degree;
+    const auto note = [&](size_t f) {
+        by_degree.emplace(left[f].size(), as_int(f));
         if (left[f].size() > 1 || queued[f]) return;
         (is_held[f] ? held_tips : free_tips).push_back(as_int(f));
         queued[f] = true;
     };
-    for (size_t f = 0; f < n; ++f) {
-        by_degree.emplace(left[f].size(), as_int(f));
-        queue_if_tip(f);
-    }
+    for (size_t f = 0; f < n; ++f) note(f);
     std::vector<int> order;
     while (order.size() < n) {
         int frame;
@@ -40,25 +47,25 @@ std::vector<int> find_order(Graph& graph, const std::vector<bool>& is_held) {
             frame = tips.front();
             tips.pop_front();
         } else {
-            frame = by_degree.begin()->second;
+            const auto [degree, fewest] = by_degree.top();
+            by_degree.pop();
+            if (degree != left[as_size(fewest)].size()) continue;
+            frame = fewest;
         }
         const auto f = as_size(frame);
         if (done[f]) continue;
         done[f] = true;
         order.push_back(frame);
-        by_degree.erase({left[f].size(), frame});
-        const std::set<int> neighbours = left[f];
+        const std::vector<int> neighbours = std::move(left[f]);
         for (int a : neighbours) {
             auto& of_a = left[as_size(a)];
-            by_degree.erase({of_a.size(), a});
-            of_a.erase(frame);
+            of_a.erase(std::ranges::lower_bound(of_a, frame));
             for (int b : neighbours)
                 if (a != b) {
-                    of_a.insert(b);
-                    graph[as_size(a)].insert(b);
+                    join(of_a, b);
+                    join(graph[as_size(a)], b);
                 }
-            by_degree.emplace(of_a.size(), a);
-            queue_if_tip(as_size(a));
+            note(as_size(a));
         }
     }
     return order;
@@ -74,8 +81,8 @@ EliminationOrder::EliminationOrder(int frame_count, const std::vector<Link>& lin
         if (link.from < 0 || link.to < 0) {
             if (link.rigid_count > 0) is_held[as_size(std::max(link.from, link.to))] = true;
         } else if (link.from != link.to) {
-            graph[as_size(link.from)].insert(link.to);
-            graph[as_size(link.to)].insert(link.from);
+            join(graph[as_size(link.from)], link.to);
+            join(graph[as_size(link.to)], link.from);
         }
     }
     const std::vector<int> order = find_order(graph, is_held);

@@ -143,10 +143,13 @@ void FrequencyAssembly::add_joints(const Assembly& assembly, const std::vector<J
         const int from = frame_of_[as_size(joint.from)], to = frame_of_[as_size(joint.to)];
         const size_t before = model_.bonds.size();
         try {
-            if (resting_)
-                resting_->add_joint(joints[j], *links[j], from, to);
-            else
+            if (resting_) {
+                const Frame at_from = make_frame(assembly.frames[as_size(joint.from)].pose),
+                            at_to = make_frame(assembly.frames[as_size(joint.to)].pose);
+                resting_->add_joint(joints[j], *links[j], {at_from, at_to}, from, to);
+            } else {
                 add_joint(joint.element, from, to, *joint.law, joint.pose);
+            }
         } catch (const Error& error) {
             throw Error(error.status(), error.what(), joint.element);
         }

@@ -34,12 +34,15 @@ void RestingParts::find_lines() {
         for (size_t k = 0; k < links.size(); ++k) {
             const JointSpec& spec = lumps.joints[as_size(lumps.first_joint[e]) + k];
             const Joint joint(spec, lumps, std::make_shared<JointKind>(spec.law));
-            const JointPose pose = joint.pose({links[k].from, links[k].to});
-            points.push_back(FrameView(links[k].from).origin() + pose.arm);
+            const Pose from = links[k].from.pose(lumps.frames[as_size(spec.from)].pose);
+            const Frame at_from = make_frame(from),
+                        at_to = make_frame(links[k].to.pose(lumps.frames[as_size(spec.to)].pose));
+            const JointPose pose = joint.pose(at_from, at_to);
+            points.push_back(from.position + pose.arm);
             own.forces.push_back(both(pose.axes) * (links[k].force + links[k].rigid));
             if (k == 0) own.axes = pose.axes;
             if (k + 1 == links.size())
-                own.turned = rotation_vector(Matrix3(own.axes.transpose() * joint.seat().axes_at_to(links[k].to)));
+                own.turned = rotation_vector(Matrix3(own.axes.transpose() * joint.seat().axes_at_to(FrameView(at_to))));
         }
         // The first joint lies a quarter of a segment from the end
         own.at_from = both(own.axes.transpose()) * own.forces.front();
@@ -74,9 +77,8 @@ std::vector<const AtRest::Link*> RestingParts::place(Assembly& assembly) const {
     std::vector<const AtRest::Link*> links;
     std::vector<Pose> start;
     for (const FrameSpec& frame : assembly.frames) start.push_back(frame.pose);
-    const auto place_frame = [&](int frame, const Frame& at) {
-        assembly.frames[as_size(frame)].pose = {Eigen::Map<const Vector3>(at.position),
-                                                Eigen::Map<const RowMajor3>(at.rotation)};
+    const auto place_frame = [&](int frame, const MovedFrame& moved) {
+        assembly.frames[as_size(frame)].pose = moved.pose(start[as_size(frame)]);
     };
     for (size_t j = 0; j < assembly.joints.size(); ++j) {
         const JointSpec& joint = assembly.joints[j];
@@ -95,29 +97,23 @@ std::vector<const AtRest::Link*> RestingParts::place(Assembly& assembly) const {
     }
     for (LineSpec& line : assembly.lines) {
         const std::vector<AtRest::Link>& own = rest_.elements[as_size(line.element)];
-        const auto carried = [&](int frame, const Frame& at, const Vector3& v) {
-            return Vector3(FrameView(at).axes() * (start[as_size(frame)].rotation.transpose() * v));
-        };
-        const auto carry = [&](int frame, const Frame& at, Vector3& point) {
-            point = FrameView(at).origin() + carried(frame, at, point - start[as_size(frame)].position);
-        };
         const double length = (line.finish - line.start).norm();
-        carry(line.from, own.front().from, line.start);
-        carry(line.to, own.back().to, line.finish);
+        line.start = own.front().from.point(line.start);
+        line.finish = own.back().to.point(line.finish);
         place_frame(line.from, own.front().from);  // what lines alone join
         place_frame(line.to, own.back().to);
         const double stretched = (line.finish - line.start).norm();
         scale_to(line.line.section, stretched / length);
-        const Vector3 x = (line.finish - line.start) / stretched,
-                      y = carried(line.from, own.front().from, line.line.axes.col(1)), z = x.cross(y).normalized();
+        const Vector3 x = (line.finish - line.start) / stretched, y = own.front().from.turn * line.line.axes.col(1),
+                      z = x.cross(y).normalized();
         line.line.axes << x, z.cross(x), z;
     }
     return links;
 }
 
-void RestingParts::add_joint(const Joint& joint, const AtRest::Link& link, int from, int to) {
+void RestingParts::add_joint(const Joint& joint, const AtRest::Link& link, Ends at, int from, int to) {
     if (from < 0 && to < 0) return;
-    const PlacedJoint placed(joint, {link.from, link.to});
+    const PlacedJoint placed(joint, at);
     const JointPose& pose = placed.pose;
     const Vector6& x = placed.x;
     const Vector3 point = placed.at.from.origin() + pose.arm;

@@ -22,8 +22,8 @@ public:
     void find_lines();
     /// Moves the frames of the assembly to where they rest; the link of every joint there.
     std::vector<const AtRest::Link*> place(Assembly& assembly) const;
-    /// from, to: its frames in the model.
-    void add_joint(const Joint& joint, const AtRest::Link& link, int from, int to);
+    /// at: its frames, and from, to: their numbers in the model.
+    void add_joint(const Joint& joint, const AtRest::Link& link, Ends at, int from, int to);
     /// What the forces of a constraint add to the bond that was added last, 12 × 12.
     void turn_constraint(const double* stiffness, double factor);
     /// What loads add whose lever arms turn with the frames that they act on.

@@ -7,11 +7,22 @@
 
 namespace dttmm::plugin {
 
+/// How a frame has moved from the assembled machine to where it rests. What goes with it may have other axes there: those of
+/// a support are the world's, those of its node may be any.
+struct MovedFrame {
+    Vector3 start;  ///< its origin in the assembled machine [m]
+    Vector3 now;    ///< the same at rest [m]
+    Matrix3 turn;   ///< from the one to the other, world axes
+    /// What goes with it, by where that is in the assembled machine.
+    Vector3 point(const Vector3& at_start) const { return now + turn * (at_start - start); }
+    Pose pose(const Pose& at_start) const { return {point(at_start.position), turn * at_start.rotation}; }
+};
+
 /// A network at rest: where its frames have come to, and the forces of its joints there.
 struct AtRest {
     /// A joint: its frames, the elastic forces along its deformations, the forces in its rigid directions.
     struct Link {
-        Frame from, to;
+        MovedFrame from, to;
         Vector6 force, rigid;
     };
     std::vector<std::vector<Link>> elements;  ///< by element of the description: its joints in order

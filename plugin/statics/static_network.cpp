@@ -85,7 +85,12 @@ Vector6 StaticNetwork::rigid_force(size_t j) const {
 AtRest::Link StaticNetwork::link(size_t j) const {
     const Joint& joint = mechanism_.joints[j];
     const PlacedJoint placed(joint, ends(joint));
-    return {placed.at.from.copy(), placed.at.to.copy(), resting_force(joint, placed.x).force, rigid_force(j)};
+    const auto moved = [&](int frame, FrameView now) {
+        const Pose& start = mechanism_.assembly.frames[as_size(frame)].pose;
+        return MovedFrame{start.position, now.origin(), now.axes() * start.rotation.transpose()};
+    };
+    return {moved(joint.from(), placed.at.from), moved(joint.to(), placed.at.to), resting_force(joint, placed.x).force,
+            rigid_force(j)};
 }
 
 // ---- What lacks ---------------------------------------------------------------------------------------------------------

@@ -235,5 +235,76 @@ force = {}
     }
 }
 
+// Oracle: modes hold the supports, whether these can move or not. Their nodes are turned; elements of all kinds begin or end
+// there, a node is held in some directions only. Mounts on supports that can move lost the turn of their axes.
+TEST(PreloadedModes, SupportsThatCanMoveAreHeldLikeOthers) {
+    const auto machine = [](bool can_move) {
+        const std::string motion =
+            can_move ? ", motion = { x = { type = \"harmonic\", amplitude = 1e-4, frequency = 5 } }" : "";
+        return fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [0.4, -1, -9.81]
+[nodes]
+left = {{ position = [-0.6, 0.1, 0.2], rotation = {{ axis = [0.3, 0.8, 1], angle = "50 deg" }}, fixed = ["x", "y", "z", "rx", "ry", "rz"]{0} }}
+right = {{ position = [0.7, -0.1, 0.3], rotation = {{ axis = [1, -0.2, 0.4], angle = "-70 deg" }}, fixed = ["x", "y", "z", "rx", "ry", "rz"]{0} }}
+guide = {{ position = [0.1, 0.6, 0.1], rotation = {{ axis = [0.2, 0.7, 1], angle = "33 deg" }}, fixed = ["x", "z", "ry"]{0} }}
+deep = {{ position = [0.2, -0.4, -0.8], rotation = {{ axis = [0, 1, 0.5], angle = "80 deg" }}, fixed = ["x", "y", "z", "rx", "ry", "rz"]{0} }}
+[[body]]
+name = "engine"
+mass = 4
+inertia = [0.2, 0.3, 0.4]
+position = [0, 0, 0.1]
+rotation = {{ axis = [1, 1, 0.3], angle = "20 deg" }}
+markers = {{ a = [0.3, 0.1, 0], b = [-0.3, 0.05, 0.1], c = {{ position = [0.1, 0.2, -0.1], rotation = {{ axis = [0, 0, 1], angle = "45 deg" }} }} }}
+[[element]]
+name = "one"
+type = "spring_damper"
+from = "left"
+to = "engine.b"
+stiffness = [1e5, 2e5, 3e5]
+rotational_stiffness = [1000, 4000, 9000]
+[[element]]
+name = "two"
+type = "spring_damper"
+from = "engine.a"
+to = "right"
+stiffness = [3e4, 7e4, 2e4]
+rotational_stiffness = [300, 200, 900]
+[[element]]
+name = "arm"
+type = "beam"
+from = "guide"
+to = "engine.c"
+segments = 3
+section = {{ tube = ["20 mm", "14 mm"] }}
+material = {{ E = "70 GPa", poisson = 0.3, density = 2700 }}
+[[element]]
+name = "post"
+type = "beam"
+from = "deep"
+to = "engine"
+segments = 4
+section = {{ circle = "15 mm" }}
+material = {{ E = "70 GPa", poisson = 0.3, density = 2700 }}
+[[element]]
+name = "mount"
+type = "spring_damper"
+from = "ground"
+to = "engine.c"
+stiffness = [1e4, 1e4, 4e4]
+rotational_stiffness = 40
+{1}
+)",
+                           motion,
+                           can_move ? "motion = { z = { type = \"harmonic\", amplitude = 1e-3, frequency = 5 } }" : "");
+    };
+    for (const char* beams : {"exact", "lumped"}) {
+        const std::vector<double> still = frequencies_of(modes_of(machine(false), {"--count", "14", "--beams", beams})),
+                                  moving = frequencies_of(modes_of(machine(true), {"--count", "14", "--beams", beams}));
+        ASSERT_GE(still.size(), 14u);
+        expect_frequencies(moving, still, 1e-8);
+    }
+}
+
 }  // namespace
 }  // namespace dttmm::host

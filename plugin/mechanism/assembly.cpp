@@ -291,6 +291,7 @@ private:
             joint.pose = {parts_[n].pose.position, Matrix3::Identity()};
             joint.to = assembly_.nodes[n].frame;
             assembly_.joints.push_back(joint);
+            assembly_.held_nodes.push_back(as_int(n));
         }
     }
 

@@ -73,6 +73,7 @@ struct Assembly {
     std::vector<NodeSpec> nodes;           ///< in the order of the description; none where a Network is done with them
     std::vector<SegmentsSpec> segments;    ///< of the lines that are divided, by element
     std::vector<int> first_joint;          ///< of every element, and one past the last; then those that hold fixed nodes
+    std::vector<int> held_nodes;           ///< what the latter hold, in their order
     int inner_count() const { return as_int(frames.size()) - driven_count; }
 };
 

@@ -133,11 +133,6 @@ void FrequencyAssembly::refer_to_nodes() {
 void FrequencyAssembly::add_joints(const Assembly& assembly, const std::vector<Joint>& joints,
                                    const std::vector<const AtRest::Link*>& links) {
     model_.are_axial.resize(model_.element_count);
-    std::vector<int> held_nodes;  // in the order of the joints that hold them
-    for (uint32_t n = 0; n < description_.network->node_count; ++n) {
-        const dttmm_node& node = description_.network->nodes[n];
-        if (node.kind == DTTMM_NODE_INNER && node.fixed != 0 && node.fixed != 0x3f) held_nodes.push_back(as_int(n));
-    }
     for (size_t j = 0; j < assembly.joints.size(); ++j) {
         const JointSpec& joint = assembly.joints[j];
         const int from = frame_of_[as_size(joint.from)], to = frame_of_[as_size(joint.to)];
@@ -160,7 +155,7 @@ void FrequencyAssembly::add_joints(const Assembly& assembly, const std::vector<J
             if (auto law = std::dynamic_pointer_cast<const Viscoelastic>(joint.law->laws[as_size(d)]))
                 bond.materials.push_back({d, std::move(law)});
         if (joint.law->axial) model_.are_axial[as_size(joint.element)] = true;
-        if (const int h = as_int(j) - assembly.first_joint.back(); h >= 0) bond.held_node = held_nodes[as_size(h)];
+        if (const int h = as_int(j) - assembly.first_joint.back(); h >= 0) bond.held_node = assembly.held_nodes[as_size(h)];
     }
 }
 

@@ -82,10 +82,9 @@ std::vector<const AtRest::Link*> RestingParts::place(Assembly& assembly) const {
     };
     for (size_t j = 0; j < assembly.joints.size(); ++j) {
         const JointSpec& joint = assembly.joints[j];
-        const bool is_held = as_int(j) >= assembly.first_joint.back();
-        if (is_held) {
-            const auto found = std::ranges::find_if(
-                rest_.held, [&](const AtRest::Held& held) { return held.position == joint.pose.position; });
+        if (const int h = as_int(j) - assembly.first_joint.back(); h >= 0) {
+            const auto node = static_cast<uint32_t>(assembly.held_nodes[as_size(h)]);
+            const auto found = std::ranges::find(rest_.held, node, &AtRest::Held::node);
             if (found == rest_.held.end()) throw Error(DTTMM_ERROR_INTERNAL, "a fixed node is not at rest", joint.element);
             links.push_back(&found->link);
         } else {

@@ -28,7 +28,7 @@ struct AtRest {
     std::vector<std::vector<Link>> elements;  ///< by element of the description: its joints in order
     /// Joints that hold the fixed directions of nodes.
     struct Held {
-        Vector3 position;  ///< in the assembled machine [m]
+        uint32_t node;  ///< of the description
         Link link;
     };
     std::vector<Held> held;

@@ -125,14 +125,15 @@ StaticNetwork::Measure Network::move_static(const dttmm_motion* bodies, double s
 
 void Network::write_rest(AtRest& rest) const {
     if (!statics_) throw Error(DTTMM_ERROR_PHASE, "statics: begin has not been called");
-    const auto of_elements = as_size(mechanism_.assembly.first_joint.back());
+    const Assembly& assembly = mechanism_.assembly;
+    const auto of_elements = as_size(assembly.first_joint.back());
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
         const AtRest::Link link = statics_->link(j);
         if (j < of_elements)
             rest.elements[places_.elements[as_size(joint.element())]].push_back(link);
         else
-            rest.held.push_back({mechanism_.assembly.frames[as_size(joint.from())].pose.position, link});
+            rest.held.push_back({places_.nodes[as_size(assembly.held_nodes[j - of_elements])], link});
     }
 }
 

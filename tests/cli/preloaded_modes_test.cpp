@@ -306,5 +306,52 @@ rotational_stiffness = 40
     }
 }
 
+// Oracle: the same machine with its elements in another order, and with the two nodes a little apart: nodes at one place,
+// each held in some directions, were taken for each other.
+TEST(PreloadedModes, NodesAtOnePlaceKeepWhatHoldsThem) {
+    const std::string nodes = R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[nodes]
+left = { position = [0, 0, 0], fixed = ["ry"] }
+right = { position = [%, 0, 0], fixed = ["x", "z"], rotation = { axis = [1, 2, 3], angle = "70 deg" } }
+clamp = { position = [0.6, 0.3, 0.2], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+[[body]]
+name = "head"
+mass = 20
+inertia = [0.2, 0.3, 0.4]
+position = [-0.8, 0.2, 0.3]
+[[load]]
+on = "head"
+direction = [0.2, -0.9, 0.3]
+force = 400
+)";
+    const auto beam = [](const char* name, const char* from, const char* to, double diameter) {
+        return fmt::format(
+            "[[element]]\nname = \"{}\"\ntype = \"beam\"\nfrom = \"{}\"\nto = \"{}\"\nsegments = 2\n"
+            "section = {{ circle = {} }}\nmaterial = {{ E = 200e9, poisson = 0.3, density = 7800 }}\n",
+            name, from, to, diameter);
+    };
+    const std::string one = beam("one", "head", "left", 0.05), two = beam("two", "right", "clamp", 0.03),
+                      joint = R"([[element]]
+name = "joint"
+type = "spring_damper"
+from = "left"
+to = "right"
+stiffness = [1e6, 2e6, 3e6]
+rotational_stiffness = [1e4, 2e4, 3e4]
+)";
+    const auto frequencies = [&](const std::string& elements, const std::string& apart) {
+        std::string text = nodes + elements;
+        text.replace(text.find('%'), 1, apart);
+        return frequencies_of(modes_of(text, {"--count", "6"}));
+    };
+    const std::vector<double> found = frequencies(one + two + joint, "0");
+    ASSERT_EQ(found.size(), 6u);
+    expect_frequencies(frequencies(two + joint + one, "0"), found, 1e-9);
+    expect_frequencies(frequencies(joint + two + one, "0"), found, 1e-9);
+    expect_frequencies(frequencies(two + one + joint, "1e-7"), found, 1e-5);
+}
+
 }  // namespace
 }  // namespace dttmm::host

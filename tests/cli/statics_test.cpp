@@ -414,6 +414,53 @@ limits = ["-130 mm", "70 mm"]
     EXPECT_NEAR(rest.row["rail.force.z"], -3.7 * 9.7, 1e-8);
 }
 
+// Oracle: nothing else carries the carriage: the rail bears its weight, and a run from there stays. Rounding of the place on
+// the stop decided whether that bears: 4 of 304 rails lost it without a word.
+TEST(Statics, ACarriageRestsOnItsStopWhateverTheRounding) {
+    for (int i = 0; i < 40; ++i) {
+        const std::string text = fmt::format(R"(format = "dttmm/1"
+[simulation]
+start = "equilibrium"
+step = 0.001
+duration = 0.01
+gravity = [0, 0, -9.81]
+[[body]]
+name = "carriage"
+mass = 10
+box = [0.2, 0.2, 0.2]
+position = [0.1, 0, -1.2]
+[[joint]]
+name = "rail"
+type = "slider"
+between = ["carriage", "ground"]
+anchor = [0.1, 0, -1.2]
+axis = [{}, {}, -{}]
+limits = [-{:.2f}, {:.2f}]
+[[element]]
+name = "air"
+type = "spring_damper"
+from = "ground"
+to = "carriage"
+damping = 50
+)",
+                                             i % 7 - 3, i % 5 - 2, 1 + i % 4, 0.11 + 0.013 * i, 0.09 + 0.017 * i);
+        const auto weight_on = [&](std::map<std::string, double> row) {
+            return std::hypot(row["rail.force.x"], row["rail.force.y"], row["rail.force.z"]);
+        };
+        EXPECT_NEAR(weight_on(rest_of(text).row), 98.1, 1e-8) << i;
+        if (i % 8 > 0) continue;
+        const TemporaryFolder folder;
+        write_text(folder / "m.toml", text);
+        ASSERT_EQ(run_dttmm(folder.path(), {"run", "m.toml", "-o", "out", "-q"}).code, 0) << i;
+        const auto [names, rows] = read_table(folder / "out/history.csv");
+        for (const auto& numbers : rows) {
+            std::map<std::string, double> row;
+            for (size_t c = 0; c < names.size(); ++c) row[names[c]] = numbers[c];
+            EXPECT_NEAR(weight_on(row), 98.1, 1e-5) << i;
+        }
+    }
+}
+
 // Oracle: two springs in line that have no force as they are assembled have no stiffness across their line either. The
 // weight W sags by d with W = 2 k d (1 - L/sqrt(L^2 + d^2)): both springs pull along their new directions.
 TEST(Statics, AWeightBetweenTwoSpringsInLine) {

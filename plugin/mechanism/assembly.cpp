@@ -232,15 +232,17 @@ private:
         const Part& first = parts_[as_size(members.front())];
         FrameSpec frame = first.frame;
         frame.pose = first.pose;
-        Vector3 moment = Vector3::Zero();
+        Vector3 moment = Vector3::Zero(),
+                about = frame.pose.position;  // the first mass: masses at one place stay just there
         frame.mass = 0;
         for (int member : members) {
             const Part& part = parts_[as_size(member)];
+            if (frame.mass == 0) about = part.pose.position;
             frame.mass += part.frame.mass;
-            moment += part.frame.mass * part.pose.position;
+            moment += part.frame.mass * (part.pose.position - about);
         }
         if (frame.mass == 0) return frame;
-        frame.pose.position = moment / frame.mass;
+        frame.pose.position = about + moment / frame.mass;
         frame.inertia.setZero();
         for (int member : members) {
             const Part& part = parts_[as_size(member)];

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <span>
 #include <vector>
 
 #include "benchmark/median.h"
@@ -70,12 +71,14 @@ double error_of(Simulation& simulation) {
     return worst / size;
 }
 
-void beam(benchmark::State& state) {
+/// records: a row per step, which is thrown away.
+void beam(benchmark::State& state, bool records) {
     const long lumps = state.range(0);
     const Plugins plugins;
     const Model model = beam_and_body(plugins, lumps);
     Simulation simulation(model, plugins);
     const double error = error_of(simulation);
+    if (records) simulation.record_to([](std::span<const double> row) { benchmark::DoNotOptimize(row.data()); });
     const long steps = std::max(20L, 100000 / lumps);
     std::vector<double> times;
     for (auto _ : state) {
@@ -90,7 +93,13 @@ void beam(benchmark::State& state) {
     state.counters["s_per_simulated_s"] = typical / kStep;
     state.counters["error_percent"] = 100 * error;
 }
-BENCHMARK(beam)->RangeMultiplier(10)->Range(10, 10000)->UseManualTime()->Iterations(15)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(beam, steps, false)
+    ->RangeMultiplier(10)
+    ->Range(10, 10000)
+    ->UseManualTime()
+    ->Iterations(15)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(beam, rows, true)->Arg(10)->Arg(1000)->UseManualTime()->Iterations(15)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace dttmm::host

@@ -38,7 +38,7 @@ const std::vector<Drive>& Drives::around(const dttmm_step& step) {
             drive.rate = (end - before) / (2 * h);
             drive.acceleration = (end - 2 * now + before) / (h * h);
         } else {
-            // See kRateError
+            // See rate_error()
             const double soon = h / kNearer;
             drive.rate = (-3 * now + 4 * value(joint, t + soon) - value(joint, t + 2 * soon)) / (2 * soon);
             const double second = value(joint, t + 2 * h), third = value(joint, t + 3 * h);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "dttmm_plugin.h"
@@ -17,9 +19,13 @@ public:
     bool empty() const { return is_empty_; }
     /// The first step takes the rate from points this many times nearer than its end.
     static constexpr double kNearer = 1024;
-    /// What that leaves of the rate of a motor that begins at rest, as share of its mean speed over the step: 2/kNearer² of
-    /// one that grows as t³, less of higher powers, nothing of t²; 5 % more for rounding.
-    static constexpr double kRateError = 2.1 / (kNearer * kNearer);
+    /// What that leaves of the rate of a motor that begins at rest, in a first step of size h. Of its mean speed over the
+    /// step 2/kNearer² if it grows as t³, less of higher powers, nothing of t²; 5 % more. Of its values their rounding over
+    /// the short distance: an expression like 1 − cos(w t) rounds as numbers of order one do, however small it is.
+    static double rate_error(const Drive& drive, double h) {
+        constexpr double kOfSpeed = 2.1 / (kNearer * kNearer), kOfValue = 1e-12;  // 1024 times 4.4 eps
+        return kOfSpeed * std::abs(drive.speed) + kOfValue * std::max(1.0, std::abs(drive.end - drive.speed * h)) / h;
+    }
     /// Of every joint around a step; zero where there is no motor. The first step has rate and acceleration by one-sided
     /// differences of second order, the others by central ones over the step size. Throws Error(numerical_failure)
     /// for an angle or a travel that is not finite or beyond 1e6.

@@ -20,15 +20,19 @@ bool turns_or_drives(const Joint& joint) {
     return (joint.type != JointType::slider && joint.type != JointType::fixed) || joint.drive;
 }
 
-/// Refuses velocities at the start that open a joint.
+/// Refuses velocities at the start that open a joint, by more than rounding of places over a step of size h.
 void refuse_opening_joints(const std::vector<Joint>& descriptions, const JointSystem& joints,
-                           const std::vector<BodyState>& at) {
+                           const std::vector<BodyState>& at, double h) {
     constexpr double kTolerated = 1e-9;
-    double scale = 0;
-    for (const BodyState& body : at) scale = std::max({scale, body.velocity.norm(), body.angular_velocity.norm()});
+    double scale = 0, farthest = 0;
+    for (const BodyState& body : at) {
+        scale = std::max({scale, body.velocity.norm(), body.angular_velocity.norm()});
+        farthest = std::max(farthest, body.position.norm());
+    }
+    const double tolerated = kTolerated * scale + kRounding * farthest / h;
     for (size_t j = 0; j < joints.joints().size(); ++j)
         if (const double speed = joints.opening_speed(j, at);
-            speed > kTolerated * scale + Drives::kRateError * std::abs(joints.drives()[j].speed))
+            speed > tolerated + (descriptions[j].drive ? Drives::rate_error(joints.drives()[j], h) : 0))
             throw ModelError(fmt::format(
                 "{}: joint \"{}\": the velocities of its bodies at the start would open it at {:.3g} m/s (or rad/s); "
                 "give both bodies velocities that the joint allows{}",
@@ -63,7 +67,7 @@ const Instant& InstantSolver::start(const Model& model, const dttmm_step& step, 
     loads.add_at_start(at, wrenches_.data());
     JointSystem joints(model.bodies, model.joints);
     joints.drive(Drives(model).around(step));
-    refuse_opening_joints(model.joints, joints, at);
+    refuse_opening_joints(model.joints, joints, at, step.size);
     joints.linearise(at, at, std::vector<Stop>(model.joints.size()));
     factor(joints, step.time);
     find_accelerations(joints);

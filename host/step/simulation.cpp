@@ -88,8 +88,7 @@ void Simulation::refuse_jumps_of_supports() const {
 
 /// A motor begins where the file places the bodies of its joint, or at rest with a machine in equilibrium.
 void Simulation::refuse_jumps_of_motors() {
-    constexpr double kNone = 1e-12;      // m and rad: rounding of an expression
-    constexpr double kRoundOff = 1e-11;  // of the same difference: 1024 times some eps of the place, over the step
+    constexpr double kNone = 1e-12;  // m and rad: rounding of an expression
     if (drives_.empty()) return;
     const std::vector<Drive>& drives = drives_.around({0, 0.0, step_size_});
     for (size_t j = 0; j < drives.size(); ++j) {
@@ -106,8 +105,7 @@ void Simulation::refuse_jumps_of_motors() {
                 fmt::format("is {:.6g} {} at t = 0 s, but the run starts with the joint where the file places its bodies: "
                             "let it begin with 0, or write start = \"equilibrium\" in [simulation]",
                             start, turns ? "rad" : "m"));
-        const double slow = Drives::kRateError * std::abs(drives[j].speed) + kRoundOff * std::abs(start) / step_size_;
-        if (model_.simulation.starts_at_rest && std::abs(drives[j].rate) > slow)
+        if (model_.simulation.starts_at_rest && std::abs(drives[j].rate) > Drives::rate_error(drives[j], step_size_))
             refuse(
                 fmt::format("moves at {:.6g} {} at t = 0 s, but start = \"equilibrium\" begins at rest: let it begin at "
                             "rest, as a signal of type \"step\" does",

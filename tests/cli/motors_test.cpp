@@ -224,6 +224,47 @@ TEST_F(Motors, BeginAtRestAsACube) {
     EXPECT_EQ(ask(rotor, {"run", "-q"}).code, 3);
 }
 
+// Oracle: the derivative of 1 - cos(w t) at t = 0 is zero. Differences over short steps have its rounding.
+TEST_F(Motors, BeginAtRestByAnExpressionThatRounds) {
+    for (const double w : {0.2, 1.0, 2.0, 6.28, 20.0})
+        for (const double h : {1e-3, 2e-4, 2e-5, 2e-6}) {
+            std::string rotor = eccentric(h);
+            const std::string angle = "\"=2.5*t^2 + 0.4*(1 - cos(9*t))\"";
+            rotor.replace(rotor.find(angle), angle.size(), fmt::format("\"=0.5*(1 - cos({}*t))\"", w));
+            const std::string five = fmt::format("{} s", 5 * h);
+            EXPECT_EQ(ask(rotor, {"run", "-q", "--duration", five, "--output-step", five}).code, 0) << w << ' ' << h;
+        }
+}
+
+// Oracle: a speed that moves a joint by less than its place rounds over a step does not open it.
+TEST_F(Motors, VelocitiesOfRoundingOpenNoJoint) {
+    const std::string pair = R"(format = "dttmm/1"
+[simulation]
+duration = 0.001
+step = 0.0002
+[[body]]
+name = "one"
+mass = 5
+inertia = [0.2, 0.3, 0.4]
+position = [1.2, 0.3, -0.4]
+velocity = [V, 3e-14, -1e-14]
+[[body]]
+name = "two"
+mass = 3
+inertia = [0.1, 0.2, 0.2]
+position = [1.9, 0.1, -0.2]
+[[joint]]
+name = "weld"
+type = "fixed"
+between = ["one", "two"]
+)";
+    for (const auto& [speed, code] : {std::pair("2e-14", 0), {"1e-10", 3}}) {
+        std::string text = pair;
+        text.replace(text.find('V'), 1, speed);
+        EXPECT_EQ(ask(text, {"run", "-q"}).code, code) << speed;
+    }
+}
+
 TEST_F(Motors, WhatIsWrongIsRefused) {
     const auto with = [](std::string text, const std::string& what, const std::string& instead) {
         return text.replace(text.find(what), what.size(), instead);

@@ -112,6 +112,8 @@ void hold(Model& model, double time) {
     for (Node& node : model.nodes)
         for (auto& signal : node.motion)
             if (signal) signal = held(*signal);
+    for (Joint& joint : model.joints)
+        if (joint.drive) joint.drive = held(*joint.drive);
     model.simulation.step = model.simulation.step > 0 ? model.simulation.step : kDefaultStep;
     model.simulation.coupling = Coupling::implicit;
     model.simulation.spectral_radius = 1;

@@ -26,6 +26,8 @@ constexpr double kLostExtents = 1e6;
 constexpr double kNoCorrection = 1e-13;
 /// Of the largest force, those of joints included: without it a small correction only says that the resistance is large.
 constexpr double kBalance = 1e-6;
+/// Of that extent, or as an angle [rad]: joints that are open by more where nothing moves any longer contradict each other.
+constexpr double kClosed = 1e-9;
 /// Load steps are halved down to this share of the load.
 constexpr double kLeastStep = 1.0 / 1024;
 /// s by the largest stiffness over mass: what vibrates 10⁶ times slower than the fastest counts as not held.
@@ -71,11 +73,16 @@ const RestState& Equilibrium::find(double t0) {
         joints_.recall();
         // Without elements there is nothing that a smaller load would bend less: it rests at the same place
         if (step >= kLeastStep && !networks_.instances().empty()) continue;
+        const std::string found = done > 0 ? fmt::format(", but one under {:.4g} of them", done) : "";
+        if (!attempt.open.empty())
+            throw Error(ExitCode::numerical_failure,
+                        fmt::format("{}: no equilibrium under its weight and loads was found{}; {}. Do joints and motors "
+                                    "contradict each other, or does a motor ask for more than the linkage reaches?",
+                                    model_.path, found, attempt.open));
         throw Error(ExitCode::numerical_failure,
                     fmt::format("{}: no equilibrium under its weight and loads was found{}; what moves on is {}. Is there "
                                 "something that nothing holds, or a load above what the machine can carry?",
-                                model_.path, done > 0 ? fmt::format(", but one under {:.4g} of them", done) : "",
-                                attempt.mover.empty() ? "not known" : attempt.mover));
+                                model_.path, found, attempt.mover.empty() ? "not known" : attempt.mover));
     }
     const std::vector<BodyState> start = states_at_start(model_);
     for (size_t b = 0; b < start.size(); ++b)
@@ -114,6 +121,12 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
                                   state_.residual <= std::max(16 * noise_, 1e-9 * state_.force);
             last = correction.size;
             if (!is_small && !is_noise) continue;
+            const RestingJoints::Opening open = joints_.widest_opening(state_.at, factor, size_.extent);
+            if (open.share > kClosed) {
+                attempt.open = fmt::format("joint \"{}\" stays open by {:.3g} {}", model_.joints[open.joint].name, open.size,
+                                           open.is_length ? "m" : "rad");
+                return attempt;
+            }
             if (joints_.release_stops()) continue;
             attempt.is_converged = true;
             return attempt;

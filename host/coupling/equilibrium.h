@@ -55,6 +55,7 @@ private:
         bool is_converged = false;
         double correction = 0;  ///< the last one [m]
         std::string mover;      ///< what it moves most
+        std::string open;       ///< a joint that cannot be closed, and how far it is open; empty: none
     };
     struct Correction {
         double work = 0;            ///< of what lacks along it [J]: negative uphill

@@ -196,6 +196,20 @@ Eigen::Matrix<double, 6, 12> RestingJoints::turning(size_t j, const std::vector<
     return all;
 }
 
+RestingJoints::Opening RestingJoints::widest_opening(const std::vector<BodyState>& at, double factor, double extent) const {
+    Opening widest;
+    for (size_t j = 0; j < equations().size(); ++j) {
+        const JointEquations& joint = equations()[j];
+        const JointEquations::Values C = joint.residual(at, factor * system_.drives()[j].end);
+        for (int row = 0; row < joint.lasting(); ++row) {
+            const bool is_length = joint.is_of_length(row);
+            const double size = std::abs(C(row)), share = is_length ? size / extent : size;
+            if (share > widest.share) widest = {share, j, size, is_length};
+        }
+    }
+    return widest;
+}
+
 bool RestingJoints::reach_stops(const std::vector<BodyState>& at) {
     bool is_reached = false;
     for (size_t j = 0; j < stops_.size(); ++j) {

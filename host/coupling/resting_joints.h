@@ -46,6 +46,14 @@ public:
     void change(double share, const Eigen::VectorXd& solution) { q_ += share * solution.tail(q_.size()); }
     /// Takes the forces off the wrenches on the bodies; the largest of them [N].
     double take_off(const std::vector<BodyState>& at, std::vector<double>& wrenches) const;
+    /// The joint that is open farthest under a share of what motors do, in shares of an extent [m] or as an angle [rad].
+    struct Opening {
+        double share = 0;
+        size_t joint = 0;
+        double size = 0;  ///< [m, rad]
+        bool is_length = true;
+    };
+    Opening widest_opening(const std::vector<BodyState>& at, double factor, double extent) const;
     /// Makes stops act that are passed; true if one more does.
     bool reach_stops(const std::vector<BodyState>& at);
     /// Lets go the stops that would pull; true if there is one.

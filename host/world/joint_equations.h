@@ -44,6 +44,10 @@ public:
     bool is_driven() const { return is_driven_; }
     /// The equation of the coordinate: of the motor, or of the stops.
     int coordinate_row() const { return lasting() - (is_driven_ ? 1 : 0); }
+    /// Whether a lasting equation is one of lengths [m], not of angles.
+    bool is_of_length(int row) const {
+        return row < as_int(anchors_.size()) || (is_driven_ && row == coordinate_row() && !turns_);
+    }
     bool has_stops() const { return has_stops_; }
     const std::array<double, 2>& stops() const { return stops_; }  ///< lower and upper [rad, m]
 

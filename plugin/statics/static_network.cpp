@@ -23,6 +23,35 @@ std::vector<Link> links_inside(const Mechanism& mechanism) {
     return mechanism.assembly.inner_count() > 0 ? links_of(mechanism) : std::vector<Link>{};
 }
 
+/// Of the network [m]; a metre where all of it is at one point.
+double find_span(const Mechanism& mechanism) {
+    Eigen::AlignedBox3d box;
+    for (const FrameSpec& frame : mechanism.assembly.frames) box.extend(frame.pose.position);
+    const double span = box.diagonal().norm();
+    return span > 0 ? span : 1;
+}
+
+/// Of every inner frame what moments and rotations there are measured by [m]: the farthest joint from its origin, at least
+/// its radius of gyration. A point that only carries moments has that of the whole network.
+std::vector<double> find_reaches(const Mechanism& mechanism, double span) {
+    constexpr double kPoint = 1e-9;  // of the span: rounding of places
+    const std::vector<Frame> frames = described_frames(mechanism);
+    const auto driven = as_size(mechanism.assembly.driven_count);
+    std::vector<double> reaches;
+    for (size_t f = driven; f < frames.size(); ++f) {
+        const FrameSpec& frame = mechanism.assembly.frames[f];
+        reaches.push_back(frame.mass > 0 ? std::sqrt(frame.inertia.trace() / frame.mass) : 0);
+    }
+    for (const Joint& joint : mechanism.joints)
+        for (int end : {0, 1})
+            if (const auto f = as_size(joint.frame(end)); f >= driven)
+                reaches[f - driven] = std::max(
+                    reaches[f - driven], joint.arm(end, frames[as_size(joint.from())], frames[as_size(joint.to())]).norm());
+    for (double& reach : reaches)
+        if (reach <= kPoint * span) reach = span;
+    return reaches;
+}
+
 }  // namespace
 
 StaticNetwork::StaticNetwork(const Mechanism& mechanism, Loading loading)
@@ -31,17 +60,14 @@ StaticNetwork::StaticNetwork(const Mechanism& mechanism, Loading loading)
       driven_(mechanism.assembly.driven_count),
       count_(mechanism.assembly.inner_count()),
       acting_{std::move(loading), Vector3::Zero(), {}},
-      reach_(as_size(count_), 0.0),
+      span_(find_span(mechanism)),
+      reach_(find_reaches(mechanism, span_)),
       matrix_(count_, links_inside(mechanism), least_lever(mechanism)) {
     acting_.loads.assign(acting_.loading.value_count(), 0.0);
     begin();
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
-        const auto [from, to] = ends(joint);
         if (joint.from() < ports_ || joint.to() < ports_) at_ports_.joints.push_back(j);
-        for (int end : {0, 1})
-            if (const int frame = joint.frame(end); is_inner(frame))
-                reach_[at(frame)] = std::max(reach_[at(frame)], joint.arm(end, from, to).norm());
     }
     at_ports_.blocks.resize(at_ports_.joints.size());
     for (auto* list : {&residual_.wrenches, &base_residual_.wrenches}) list->assign(now_.frames.size(), Vector6::Zero());
@@ -117,12 +143,16 @@ void StaticNetwork::find_residuals() {
         const JointForce force = carried_force(placed, rest.force, rigid_force(j));
         Joint::add_wrench(force, residual_.wrenches[as_size(joint.from())].data(),
                           residual_.wrenches[as_size(joint.to())].data());
-        force_ = std::max(force_, force.force.norm());
-        const double stiffest = joint.law().stiffness.head<3>().maxCoeff();
+        force_ = std::max({force_, force.force.norm(), rest.force.tail<3>().norm() / span_});
+        const double stiffest = joint.law().stiffness.head<3>().maxCoeff(),
+                     stiffest_turning = joint.law().stiffness.tail<3>().maxCoeff();
         if (std::isfinite(stiffest))
             noise_ = std::max(noise_,
                               stiffest * std::numeric_limits<double>::epsilon() *
                                   (placed.at.from.origin().norm() + placed.at.to.origin().norm() + placed.pose.arm.norm()));
+        for (int end : {0, 1})
+            if (const int frame = joint.frame(end); is_inner(frame) && std::isfinite(stiffest_turning))
+                noise_ = std::max(noise_, stiffest_turning * std::numeric_limits<double>::epsilon() / reach_[at(frame)]);
         if (count_ > 0)
             for_each_rigid(
                 joint, [&](int i, int d) { residual_.openings[as_size(matrix_.rigid_begin(as_int(j)) + i)] = placed.x(d); });
@@ -134,7 +164,7 @@ void StaticNetwork::find_residuals() {
         if (!acting_.loading.is_on(f)) continue;
         const Vector6 load = acting_.loading.wrench(f, now_.frames[as_size(f)], acting_.loads.data());
         residual_.wrenches[as_size(f)] += load;
-        force_ = std::max(force_, load.head<3>().norm());
+        force_ = std::max({force_, load.head<3>().norm(), load.tail<3>().norm() / span_});
     }
 }
 
@@ -147,8 +177,7 @@ StaticNetwork::Measure StaticNetwork::measure() const {
         const Vector6& r = residual_.wrenches[as_size(driven_) + i];
         const Vector6& u = correction_.u[i];
         measure.work += u.dot(r);
-        const double moment = reach_[i] > 0 ? r.tail<3>().norm() / reach_[i] : 0;
-        measure.residual = std::max({measure.residual, r.head<3>().norm(), moment});
+        measure.residual = std::max({measure.residual, r.head<3>().norm(), r.tail<3>().norm() / reach_[i]});
         const double shift = std::max(u.head<3>().norm(), reach_[i] * u.tail<3>().norm());
         if (shift > measure.shift || !std::isfinite(shift)) {
             measure.shift = shift;

@@ -97,6 +97,7 @@ private:
         std::vector<double> loads;
     };
     Acting acting_;
+    double span_;                ///< of all frames [m]
     std::vector<double> reach_;  ///< of every inner frame [m]
 
     /// All frames, and the forces of rigid directions.

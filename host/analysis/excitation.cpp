@@ -26,14 +26,14 @@ void scale(dttmm_harmonic& load, std::complex<double> factor) {
     }
 }
 
-/// How far its motion has turned a support in the machine at rest, beside vibrations, as a rotation vector.
+/// Rotation vector of a support at rest [rad], world axes, without vibrations.
 Eigen::Vector3d rotation_at_rest(const Node& node) {
     Eigen::Vector3d turn;
     for (size_t d = 0; d < 3; ++d) turn(as_row(d)) = node.motion[3 + d] ? node.motion[3 + d]->value(0) : 0;
     return turn;
 }
 
-/// J of δφ = J δθ: how far what the rotation vector θ has turned turns on for a small change of that, world axes.
+/// Left Jacobian J of a rotation vector θ: δφ = J δθ, δφ the small rotation in world axes.
 Eigen::Matrix3d turn_by_vector(const Eigen::Vector3d& theta) {
     const double angle = theta.norm();
     if (angle == 0) return Eigen::Matrix3d::Identity();

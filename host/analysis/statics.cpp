@@ -553,6 +553,9 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
         warnings.note("moved-far", fmt::format("{}a body has turned by {:.3g} rad: there may be other equilibria; this is "
                                                "the one reached from the assembled machine",
                                                place, found.rest.turn));
+    if (!found.rest.open.empty())
+        warnings.add("joint-open", fmt::format("{}{} where the machine rests: joints do not quite agree with each other",
+                                               place, found.rest.open));
     if (found.growing.value_or(0) > 0)
         warnings.add("unstable-equilibrium",
                      fmt::format("{}the equilibrium is unstable: {} from it after the smallest disturbance; \"dttmm modes\" "

@@ -19,9 +19,9 @@ public:
     bool empty() const { return is_empty_; }
     /// The first step takes the rate from points this many times nearer than its end.
     static constexpr double kNearer = 1024;
-    /// What that leaves of the rate of a motor that begins at rest, in a first step of size h. Of its mean speed over the
-    /// step 2/kNearer² if it grows as t³, less of higher powers, nothing of t²; 5 % more. Of its values their rounding over
-    /// the short distance: an expression like 1 − cos(w t) rounds as numbers of order one do, however small it is.
+    /// Error of that rate for a motor that begins at rest, in a first step of size h. Differences leave at most 2/kNearer²
+    /// of the mean speed over the step, for one that grows as t³; 5 % are added. Values round by some eps of themselves, at
+    /// least of one: 1 - cos(w t) does, however small it is.
     static double rate_error(const Drive& drive, double h) {
         constexpr double kOfSpeed = 2.1 / (kNearer * kNearer), kOfValue = 1e-12;  // 1024 times 4.4 eps
         return kOfSpeed * std::abs(drive.speed) + kOfValue * std::max(1.0, std::abs(drive.end - drive.speed * h)) / h;

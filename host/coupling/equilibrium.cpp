@@ -26,8 +26,11 @@ constexpr double kLostExtents = 1e6;
 constexpr double kNoCorrection = 1e-13;
 /// Of the largest force, those of joints included: without it a small correction only says that the resistance is large.
 constexpr double kBalance = 1e-6;
-/// Of that extent, or as an angle [rad]: joints that are open by more where nothing moves any longer contradict each other.
+/// A joint that is open by more at the end is told of: share of the extent, or angle [rad].
 constexpr double kClosed = 1e-9;
+/// One that is open by more contradicts another joint or a motor: share of the span, or angle [rad]. Less is an anchor that
+/// the file rounds: one of five digits on a crank of a metre opens a linkage of three by 4e-9 m to 5e-6 m.
+constexpr double kContradiction = 1e-5;
 /// Load steps are halved down to this share of the load.
 constexpr double kLeastStep = 1.0 / 1024;
 /// s by the largest stiffness over mass: what vibrates 10⁶ times slower than the fastest counts as not held.
@@ -55,6 +58,7 @@ const RestState& Equilibrium::find(double t0) {
     joints_.start(t0);
     networks_.begin_statics();
     double done = 0, step = 1;
+    RestingJoints::Opening widest;
     while (done < 1) {
         const double factor = std::min(1.0, done + step);
         const Attempt attempt = iterate(factor);
@@ -65,8 +69,11 @@ const RestState& Equilibrium::find(double t0) {
             networks_.keep_statics();
             kept_ = state_.at;
             joints_.keep();
+            const bool is_open = attempt.open.size > kClosed * (attempt.open.is_length ? size_.extent : 1);
+            state_.open = is_open ? describe(attempt.open) : "";
             continue;
         }
+        if (attempt.open.share > widest.share) widest = attempt.open;
         step *= 0.5;
         networks_.recall_statics();
         state_.at = kept_;
@@ -74,11 +81,11 @@ const RestState& Equilibrium::find(double t0) {
         // Without elements there is nothing that a smaller load would bend less: it rests at the same place
         if (step >= kLeastStep && !networks_.instances().empty()) continue;
         const std::string found = done > 0 ? fmt::format(", but one under {:.4g} of them", done) : "";
-        if (!attempt.open.empty())
+        if (widest.share > kContradiction)
             throw Error(ExitCode::numerical_failure,
-                        fmt::format("{}: no equilibrium under its weight and loads was found{}; {}. Do joints and motors "
-                                    "contradict each other, or does a motor ask for more than the linkage reaches?",
-                                    model_.path, found, attempt.open));
+                        fmt::format("{}: no equilibrium under its weight, loads and motors was found{}; {}. Do joints and "
+                                    "motors contradict each other, or does a motor ask for more than the linkage reaches?",
+                                    model_.path, found, describe(widest)));
         throw Error(ExitCode::numerical_failure,
                     fmt::format("{}: no equilibrium under its weight and loads was found{}; what moves on is {}. Is there "
                                 "something that nothing holds, or a load above what the machine can carry?",
@@ -89,6 +96,11 @@ const RestState& Equilibrium::find(double t0) {
         state_.turn =
             std::max(state_.turn, Eigen::AngleAxisd(state_.at[b].rotation * start[b].rotation.transpose()).angle());
     return state_;
+}
+
+std::string Equilibrium::describe(const RestingJoints::Opening& open) const {
+    return fmt::format("joint \"{}\" stays open by {:.3g} {}", model_.joints[open.joint].name, open.size,
+                       open.is_length ? "m" : "rad");
 }
 
 /// Newton's iteration at one share of the load.
@@ -121,12 +133,8 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
                                   state_.residual <= std::max(16 * noise_, 1e-9 * state_.force);
             last = correction.size;
             if (!is_small && !is_noise) continue;
-            const RestingJoints::Opening open = joints_.widest_opening(state_.at, factor, size_.extent);
-            if (open.share > kClosed) {
-                attempt.open = fmt::format("joint \"{}\" stays open by {:.3g} {}", model_.joints[open.joint].name, open.size,
-                                           open.is_length ? "m" : "rad");
-                return attempt;
-            }
+            attempt.open = joints_.widest_opening(state_.at, factor, size_.span);
+            if (attempt.open.share > kContradiction) return attempt;
             if (joints_.release_stops()) continue;
             attempt.is_converged = true;
             return attempt;

@@ -21,6 +21,7 @@ struct RestState {
     int load_steps = 0;         ///< that were accepted
     double residual = 0;        ///< the largest force that lacks [N]
     double force = 0;           ///< the largest of an element, load or weight [N]
+    std::string open;           ///< a joint that is open by more than rounding, and how far; empty: none
     double turn = 0;            ///< the largest rotation of a body from its place in the assembled machine [rad]
 };
 
@@ -53,9 +54,9 @@ private:
     using Triplets = std::vector<Eigen::Triplet<double>>;
     struct Attempt {
         bool is_converged = false;
-        double correction = 0;  ///< the last one [m]
-        std::string mover;      ///< what it moves most
-        std::string open;       ///< a joint that cannot be closed, and how far it is open; empty: none
+        double correction = 0;        ///< the last one [m]
+        std::string mover;            ///< what it moves most
+        RestingJoints::Opening open;  ///< of joints, where nothing moves any longer
     };
     struct Correction {
         double work = 0;            ///< of what lacks along it [J]: negative uphill
@@ -64,6 +65,7 @@ private:
         double rounding = 0;  ///< of the work [J]
         double share = 1;     ///< to be taken of it
     };
+    std::string describe(const RestingJoints::Opening& open) const;
     Attempt iterate(double factor);
     Correction correct(double factor);
     Correction try_resistance(double factor);

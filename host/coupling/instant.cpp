@@ -24,20 +24,20 @@ bool turns_or_drives(const Joint& joint) {
 void refuse_opening_joints(const std::vector<Joint>& descriptions, const JointSystem& joints,
                            const std::vector<BodyState>& at, double h) {
     constexpr double kTolerated = 1e-9;
-    double scale = 0, farthest = 0;
-    for (const BodyState& body : at) {
-        scale = std::max({scale, body.velocity.norm(), body.angular_velocity.norm()});
-        farthest = std::max(farthest, body.position.norm());
-    }
-    const double tolerated = kTolerated * scale + kRounding * farthest / h;
-    for (size_t j = 0; j < joints.joints().size(); ++j)
-        if (const double speed = joints.opening_speed(j, at);
-            speed > tolerated + (descriptions[j].drive ? Drives::rate_error(joints.drives()[j], h) : 0))
+    double scale = 0;
+    for (const BodyState& body : at) scale = std::max({scale, body.velocity.norm(), body.angular_velocity.norm()});
+    for (size_t j = 0; j < joints.joints().size(); ++j) {
+        double tolerated = kTolerated * scale;
+        for (const int body : joints.joints()[j].bodies())
+            if (body >= 0) tolerated += kRounding * at[as_size(body)].position.norm() / h;
+        if (descriptions[j].drive) tolerated += Drives::rate_error(joints.drives()[j], h);
+        if (const double speed = joints.opening_speed(j, at); speed > tolerated)
             throw ModelError(fmt::format(
                 "{}: joint \"{}\": the velocities of its bodies at the start would open it at {:.3g} m/s (or rad/s); "
                 "give both bodies velocities that the joint allows{}",
                 descriptions[j].place, descriptions[j].name, speed,
                 descriptions[j].drive ? ", or let its motor begin at rest" : ""));
+    }
 }
 
 }  // namespace

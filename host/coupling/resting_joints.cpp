@@ -73,7 +73,7 @@ void RestingJoints::add(std::vector<BodyState>& at, double factor, const std::ve
         for (int row = 0; row < joint.count(); ++row) {
             const bool is_stop = row == joint.lasting();
             const bool is_idle = is_stop && !stops_[j].acts;  // zeros all the same: the pattern stays
-            // Beyond the stop by its play, where steps keep it: by rounding a joint just at it might not have reached it
+            // Beyond the stop by its play, where steps keep it: just at it rounding could say that it is not reached
             const auto stop = [&] { return joint.stops()[stops_[j].side > 0 ? 0 : 1] - stops_[j].side * Stop::kPlay; };
             entries.emplace_back(first + row, first + row, is_idle ? 1 : -kProximal / stiffest);
             right_hand_side(first + row) = is_idle ? -q_(force + row) : is_stop ? stop() - joint.coordinate(at) : -C(row);

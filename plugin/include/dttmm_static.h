@@ -23,7 +23,7 @@ typedef struct dttmm_static_measure {
     double work; /* along the whole correction u of bodies and inside, of the network's forces and of its loads [J]; after
                     correct u K u, K their derivative, where bodies and loads of the host are none: negative uphill */
     double residual; /* the largest force that lacks inside [N]; moments by the lever arms of their frame */
-    double force;    /* the largest of an element or load [N]; moments by the size of the network */
+    double force;    /* the largest of an element or load [N]; moments divided by the span of the network */
     double noise;    /* what of the residual may be rounding [N] */
     double shift;    /* the largest of a point inside by the whole correction [m] */
     double turn;     /* [rad] */

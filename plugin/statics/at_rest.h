@@ -12,7 +12,7 @@ namespace dttmm::plugin {
 struct MovedFrame {
     Vector3 start;  ///< its origin in the assembled machine [m]
     Vector3 now;    ///< the same at rest [m]
-    Matrix3 turn;   ///< from the one to the other, world axes
+    Matrix3 turn;   ///< rotation from start to rest, world axes
     /// What goes with it, by where that is in the assembled machine.
     Vector3 point(const Vector3& at_start) const { return now + turn * (at_start - start); }
     Pose pose(const Pose& at_start) const { return {point(at_start.position), turn * at_start.rotation}; }

@@ -23,7 +23,7 @@ std::vector<Link> links_inside(const Mechanism& mechanism) {
     return mechanism.assembly.inner_count() > 0 ? links_of(mechanism) : std::vector<Link>{};
 }
 
-/// Of the network [m]; a metre where all of it is at one point.
+/// Diagonal of the box around all frames [m]; a metre if they coincide.
 double find_span(const Mechanism& mechanism) {
     Eigen::AlignedBox3d box;
     for (const FrameSpec& frame : mechanism.assembly.frames) box.extend(frame.pose.position);
@@ -31,8 +31,8 @@ double find_span(const Mechanism& mechanism) {
     return span > 0 ? span : 1;
 }
 
-/// Of every inner frame what moments and rotations there are measured by [m]: the farthest joint from its origin, at least
-/// its radius of gyration. A point that only carries moments has that of the whole network.
+/// Lever arm of every inner frame [m], by which moments count as forces and rotations as displacements: to the farthest
+/// joint from its origin, at least the radius of gyration. Where both are zero it is the span of the network.
 std::vector<double> find_reaches(const Mechanism& mechanism, double span) {
     constexpr double kPoint = 1e-9;  // of the span: rounding of places
     const std::vector<Frame> frames = described_frames(mechanism);

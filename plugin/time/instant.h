@@ -13,7 +13,7 @@ namespace dttmm::plugin {
 /// wrenches on the frames at their origins, world.
 class Instant {
 public:
-    /// interior: NULL: nothing moves inside; by_four: some of the joints. Keeps all.
+    /// interior: NULL: nothing moves inside; by_four: joints worked out four at a time. Keeps all three.
     Instant(const PortBodies& bodies, Interior* interior, const JointsByFour& by_four);
 
     /// The mean wrenches over the step; velocities inside go with them.

@@ -109,7 +109,7 @@ void InstantBalances::add_balance(const Mechanism& mechanism, const Balance& bal
     const Matrix6 per_rate = joint.damping_tangent(deformation),
                   per_deformation = joint.stiffness_tangent(deformation, mechanism.memory_before(j));
     const Matrix6 G[2] = {joint.by_from(pose), joint.by_to(pose)};
-    // A lever that is deformation alone damps no rotation to speak of; forces have moments by it
+    // A lever that is only deformation is left out of the damping, not of the moments of forces
     Matrix6 damped[2] = {G[0], G[1]};
     if (joint.seat().rest.isZero(1e-9)) damped[0].topRightCorner<3, 3>().setZero();
     const int frames[2] = {frame_in(mechanism, balance, joint.from()), frame_in(mechanism, balance, joint.to())};

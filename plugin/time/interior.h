@@ -65,8 +65,9 @@ public:
     /// bodies, or turns more than half a turn over the step.
     void commit(Ports ports);
 
-    /// At t_n, the start of the step last committed.
+    /// Joints inside that are worked out four at a time.
     const JointsByFour& by_four() const { return forces_.by_four(); }
+    /// At t_n, the start of the step last committed.
     InteriorInstant& instant() { return instant_; }
     const InteriorInstant& instant() const { return instant_; }
     double work() const;  ///< of gravity and loads since the start, up to then

@@ -233,6 +233,9 @@ TEST_F(Motors, BeginAtRestByAnExpressionThatRounds) {
             rotor.replace(rotor.find(angle), angle.size(), fmt::format("\"=0.5*(1 - cos({}*t))\"", w));
             const std::string five = fmt::format("{} s", 5 * h);
             EXPECT_EQ(ask(rotor, {"run", "-q", "--duration", five, "--output-step", five}).code, 0) << w << ' ' << h;
+            // What turns at 1e-5 rad/s does not begin at rest
+            rotor.replace(rotor.find("*t))"), 4, "*t)) + 1e-5*t");
+            EXPECT_EQ(ask(rotor, {"run", "-q", "--duration", five, "--output-step", five}).code, 3) << w << ' ' << h;
         }
 }
 

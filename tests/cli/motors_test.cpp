@@ -239,6 +239,17 @@ TEST_F(Motors, BeginAtRestByAnExpressionThatRounds) {
         }
 }
 
+// Oracle: the speed itself. Over a first step of h 1e-12 rad/h counts as rounding of a motor's values.
+TEST_F(Motors, ASpeedBeyondRoundingIsNoRest) {
+    constexpr double kStep = 2e-4;
+    for (const auto& [angle, code] : {std::pair(0.6e-12, 0), {1.5e-12, 3}}) {
+        std::string rotor = eccentric(kStep);
+        const std::string given = "\"=2.5*t^2 + 0.4*(1 - cos(9*t))\"";
+        rotor.replace(rotor.find(given), given.size(), fmt::format("\"=0.5*t^2 + {}*t\"", angle / kStep));
+        EXPECT_EQ(ask(rotor, {"run", "-q", "--duration", "0.001 s", "--output-step", "0.001 s"}).code, code) << angle;
+    }
+}
+
 // Oracle: a speed that moves a joint by less than its place rounds over a step does not open it.
 TEST_F(Motors, VelocitiesOfRoundingOpenNoJoint) {
     const std::string pair = R"(format = "dttmm/1"

@@ -9,6 +9,8 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 #include "analysis/json.h"
 #include "analysis/modal_session.h"
@@ -16,6 +18,7 @@
 #include "identify/mode_derivatives.h"
 #include "identify/response_derivatives.h"
 #include "identify/run_derivatives.h"
+#include "identify/small_changes.h"
 #include "model/index.h"
 #include "model/wording.h"
 #include "record/atomic_file.h"
@@ -29,7 +32,7 @@ namespace dttmm::host {
 
 namespace {
 
-constexpr int kLevels = 3;               // of extrapolation: the error is of sixth order
+constexpr int kLevels = kSlopeLevels;
 constexpr double kFarthestPoint = 0.02;  // of the logarithm of a parameter; halved from level to level
 constexpr double kFiner = 0.1;           // times the distances, where errors say that figures bend more than that
 constexpr int kMostFiner = 3;
@@ -116,26 +119,18 @@ LocalSensitivity differentiate_from(double farthest, const FigureFunction& funct
     found.slopes.resize(figures.cols(), count);
     found.errors.resize(figures.cols(), count);
     for (Eigen::Index p = 0; p < count; ++p) {
-        std::array<Eigen::VectorXd, kLevels> level;
         Eigen::MatrixXd above(kLevels, figures.cols()), below(kLevels, figures.cols());
         for (int l = 0; l < kLevels; ++l) {
             above.row(l) = figures.row(row_of(p, l, 0));
             below.row(l) = figures.row(row_of(p, l, 1));
         }
         join_branches(function.figures(), found.figures, above, below);
-        for (int l = 0; l < kLevels; ++l)
-            level[as_size(l)] = (above.row(l) - below.row(l)).transpose() / (2 * farthest / (1 << l));
-        // Of Neville's table each entry with the least change from the one before it counts
-        found.slopes.col(p) = level[2];
-        found.errors.col(p) = (level[2] - level[1]).cwiseAbs();
-        const Eigen::VectorXd fourth = level[1] + (level[1] - level[0]) / 3, next = level[2] + (level[2] - level[1]) / 3,
-                              sixth = next + (next - fourth) / 15;
-        for (Eigen::Index f = 0; f < figures.cols(); ++f)
-            for (const auto& [better, worse] : {std::pair(next(f), fourth(f)), std::pair(sixth(f), next(f))})
-                if (std::abs(better - worse) < found.errors(f, p)) {
-                    found.slopes(f, p) = better;
-                    found.errors(f, p) = std::abs(better - worse);
-                }
+        for (Eigen::Index f = 0; f < figures.cols(); ++f) {
+            std::array<SlopeAt, kLevels> level;
+            for (int l = 0; l < kLevels; ++l)
+                level[as_size(l)] = SlopeAt::of(above(l, f), found.figures(f), below(l, f), farthest / (1 << l));
+            std::tie(found.slopes(f, p), found.errors(f, p)) = extrapolate(level);
+        }
     }
     return found;
 }
@@ -164,14 +159,12 @@ LocalSensitivity differentiate_figures(const FigureFunction& function, int jobs)
     for (int n = 0; n < kMostFiner && is_bent(found); ++n) {
         farthest *= kFiner;
         const LocalSensitivity next = differentiate_from(farthest, function, jobs);
-        bool is_better = false;  // a figure has all of its slopes from one of the distances
+        // A figure has all of its slopes from one of the distances. Beside a jump the nearest is worst until it is nearer
         for (Eigen::Index f = 0; f < found.slopes.rows(); ++f) {
             if (is_extreme(function, f) || !(next.errors.row(f).maxCoeff() < found.errors.row(f).maxCoeff())) continue;
             found.slopes.row(f) = next.slopes.row(f);
             found.errors.row(f) = next.errors.row(f);
-            is_better = true;
         }
-        if (!is_better) break;
     }
     return found;
 }

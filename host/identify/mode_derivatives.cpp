@@ -26,7 +26,7 @@ std::optional<size_t> mode_of(const Column& figure) {
     return as_size(length) == figure.name.size() ? std::optional(as_size(number) - 1) : std::nullopt;
 }
 
-/// Slopes of the modes by ln of one parameter [Hz].
+/// Slopes of the modes by ln of one parameter and their bends [Hz], as SmallChanges has them.
 std::vector<double> slopes_of_modes(const FigureFunction& function, ModalMachine& machine,
                                     const std::vector<ModalInstance::Mode>& modes, Eigen::Index parameter) {
     Warnings silent(Warnings::Silent::yes);
@@ -38,9 +38,15 @@ std::vector<double> slopes_of_modes(const FigureFunction& function, ModalMachine
             const uint32_t multiplicity = modes[m].numbers.multiplicity;
             if (multiplicity == 0 || m + multiplicity > modes.size())
                 throw Error(ExitCode::plugin_failure, fmt::format("the multiplicity of mode {} is {}", m + 1, multiplicity));
-            for (const double one :
-                 machine.frequency_changes(static_cast<uint32_t>(m), multiplicity, above.machine, below.machine))
-                slopes.push_back(one / change);
+            const auto changes = [&](ModalMachine& far, ModalMachine& near) {
+                return machine.frequency_changes(static_cast<uint32_t>(m), multiplicity, far, near);
+            };
+            const std::vector<double> both = changes(above.machine, below.machine), up = changes(above.machine, machine),
+                                      down = changes(machine, below.machine);
+            for (uint32_t i = 0; i < multiplicity; ++i) {
+                slopes.push_back(both[i] / change);
+                slopes.push_back(2 * std::abs(up[i] - down[i]) / change);
+            }
         }
     }
     return slopes;

@@ -46,25 +46,30 @@ void refuse_moving_loads(const Excitation& middle, const Excitation& other, cons
         throw Error(ExitCode::usage, "the frequency of a load changes with a parameter");
 }
 
-/// Slopes of the magnitudes by ln of one parameter at a distance, and at twice that.
+/// Slopes of the magnitudes by ln of one parameter and their bends, as SmallChanges has them.
 std::vector<double> slopes_of_amplitudes(const FigureFunction& function, ResponseMachine& middle, double highest,
                                          const std::vector<CurveAt>& places, Eigen::Index parameter) {
     Warnings silent(Warnings::Silent::yes);
     const std::vector<Complex> H = amplitudes(middle, places);
     std::vector<double> slopes;
     for (const double change : SmallChanges::kShares) {
-        std::vector<Complex> difference(places.size());
+        std::vector<std::vector<Complex>> sides;
         for (const double sign : {1.0, -1.0}) {
             const Request request = function.request_with(parameter, 1 + sign * change);
             ResponseMachine machine(request, function.plugins(), silent);
             refuse_moving_loads(middle.excitation, machine.excitation, places);
             machine.session.machine.damp(highest);
             machine.session.machine.respond_beside(middle.session.machine);
-            const std::vector<Complex> own = amplitudes(machine, places);
-            for (size_t f = 0; f < places.size(); ++f) difference[f] += sign * own[f] / (2 * change);
+            sides.push_back(amplitudes(machine, places));
         }
-        for (size_t f = 0; f < places.size(); ++f)
-            slopes.push_back(H[f] == 0.0 ? 0 : (std::conj(H[f]) * difference[f]).real() / std::abs(H[f]));
+        for (size_t f = 0; f < places.size(); ++f) {
+            const auto along = [&](const Complex& of) {
+                return H[f] == 0.0 ? 0 : (std::conj(H[f]) * of).real() / std::abs(H[f]);
+            };
+            const SlopeAt slope = SlopeAt::of(along(sides[0][f]), along(H[f]), along(sides[1][f]), change);
+            slopes.push_back(slope.mean);
+            slopes.push_back(slope.bend);
+        }
     }
     return slopes;
 }

@@ -52,12 +52,13 @@ private:
     struct Largest {
         double size = 0, phase = 0;
         OperatingPoint at;
+        bool is_peak = false;  ///< see ResponseFindings
     };
 
     bool write_rows(const ResultsFolder& folder, size_t& rows);
     void write_random(const ResultsFolder& folder);
     std::vector<Column> columns() const;
-    void keep_largest(const OperatingPoint& at, const Values& values);
+    void keep_largest(const ResponseSweep& sweep, const OperatingPoint& at, const Values& values);
     void tell_still();
     void print(const ResultsFolder& folder, size_t rows) const;
     void write_summary(const ResultsFolder& folder, size_t rows, bool is_stopped);
@@ -72,10 +73,12 @@ private:
     std::vector<double> rms_;  ///< of the chosen channels
 };
 
-void SteadyResponse::keep_largest(const OperatingPoint& at, const Values& values) {
+void SteadyResponse::keep_largest(const ResponseSweep& sweep, const OperatingPoint& at, const Values& values) {
+    const double x = at.speed.value_or(at.frequency);
+    const bool is_inside = sweep.is_adaptive && !at.has_own && x > sweep.x.front() && x < sweep.x.back();
     for (size_t c = 0; c < largest_.size(); ++c)
         if (std::abs(values[c]) > largest_[c].size)
-            largest_[c] = {std::abs(values[c]), std::arg(values[c]) * 180 / std::numbers::pi, at};
+            largest_[c] = {std::abs(values[c]), std::arg(values[c]) * 180 / std::numbers::pi, at, is_inside};
 }
 
 std::vector<Column> SteadyResponse::columns() const {
@@ -203,7 +206,7 @@ bool SteadyResponse::write_rows(const ResultsFolder& folder, size_t& rows) {
                 if (plan_.has_speeds) row.insert(row.end(), {at.speed.value_or(0) / kPerRpm, at.order});
                 for (size_t c = 0; c < largest_.size(); ++c) row.insert(row.end(), {values[c].real(), values[c].imag()});
                 table.write_row(row);
-                keep_largest(at, values);
+                keep_largest(plan_.sweeps[s], at, values);
                 ++rows;
             });
     table.finish();
@@ -215,6 +218,7 @@ ResponseFindings SteadyResponse::findings() const {
     for (size_t c = 0; c < largest_.size(); ++c) {
         const OperatingPoint& at = largest_[c].at;
         found.largest.push_back({machine_.curves.name(c), machine_.curves.unit(c), largest_[c].size, at.frequency, at});
+        found.largest.back().is_peak = largest_[c].is_peak;
         if (plan_.has_speeds) found.largest.back().rpm = at.speed.value_or(0) / kPerRpm;
     }
     for (size_t c = 0; c < rms_.size(); ++c)

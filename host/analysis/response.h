@@ -20,6 +20,7 @@ struct ResponseFindings {
         double size = 0, frequency = 0;  ///< [unit, Hz]
         OperatingPoint at = {};
         std::optional<double> rpm = {};  ///< of a response over speed
+        bool is_peak = false;            ///< between the ends of adaptive points: a peak moves with the machine
     };
     struct Level {
         std::string name, unit;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <filesystem>
+#include <limits>
 #include <string_view>
 
 #include "analysis/response.h"
@@ -30,7 +31,65 @@ struct CurveAt {
     Eigen::Index figure;
     size_t curve;
     OperatingPoint at;
+    bool is_peak;      ///< which moves with the machine
+    double shift = 0;  ///< to a point beside a peak [Hz, of an order rad/s]
+    double error = 0;  ///< of a peak's place, as share of the shift
 };
+
+/// The same curve elsewhere along the same frequencies or speeds.
+CurveAt shifted(const CurveAt& place, double by) {
+    ResponseSweep sweep;
+    sweep.is_speed = place.at.speed.has_value();
+    sweep.order = place.at.order;
+    CurveAt beside = place;
+    beside.at = sweep.at(place.at.speed.value_or(place.at.frequency) + by);
+    return beside;
+}
+
+/// Slope and second derivative of ln |H| along frequencies or speeds.
+struct Top {
+    double slope, curvature;
+    double away() const { return -slope / curvature; }
+};
+
+Top top_of(ResponseCurves& curves, const CurveAt& place, double step) {
+    const auto size = [&](double by) { return std::log(std::abs(curves.evaluate(shifted(place, by).at)[place.curve])); };
+    const double above = size(step), middle = size(0), below = size(-step);
+    return {(above - below) / (2 * step), (above - 2 * middle + below) / (step * step)};
+}
+
+/// Moves the place to where the curve is largest; the error of its place has no bound where it is not found. A slope at a
+/// fixed frequency is that of a peak only there: within a resonance of quality Q it changes by some Q times what the place
+/// is off by, as share of the peak's width.
+void find_peak(ResponseCurves& curves, CurveAt& place) {
+    constexpr double kFirstStep = 1e-4, kFlat = 1e-6;  // of the frequency: flat curves have no place that matters
+    constexpr double kOfWidth = 0.01;                  // steps, of half the width at 0.7 of the peak
+    constexpr double kEnough = 1e-7;                   // of a step
+    constexpr int kMostPasses = 20;
+    const double x = place.at.speed.value_or(place.at.frequency);
+    place.error = std::numeric_limits<double>::infinity();
+    double step = kFirstStep * x;
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+        const Top wide = top_of(curves, place, step);
+        if (pass == 0 && std::abs(wide.curvature) * x * x < kFlat && std::abs(wide.slope) * x < kFlat) {
+            place.error = 1;
+            place.shift = step;
+            return;
+        }
+        const double width = std::min(x, 1 / std::sqrt(std::max(0.0, -wide.curvature)));
+        if (!(wide.curvature < 0) || step > 2 * kOfWidth * width) {
+            step = wide.curvature < 0 ? kOfWidth * width : step / 4;
+            continue;
+        }
+        const Top narrow = top_of(curves, place, step / 2);
+        const double by = narrow.away() + (narrow.away() - wide.away()) / 3, last = place.error;
+        if (!(std::abs(by) < width)) return;
+        place = shifted(place, by);
+        place.shift = step;
+        place.error = std::max(kEnough, std::abs(by) / step);
+        if (place.error == kEnough || place.error > last / 2) return;
+    }
+}
 
 /// Its amplitudes at these places.
 std::vector<Complex> amplitudes(ResponseMachine& machine, const std::vector<CurveAt>& places) {
@@ -91,7 +150,7 @@ std::vector<CurveAt> find_places(const FigureFunction& function, ResponseFinding
         if (!is_largest(figure)) continue;
         const std::string name = figure.name.substr(0, figure.name.size() - kLargest.size());
         const auto curve = std::ranges::find(findings.largest, name, &ResponseFindings::Largest::name);
-        places.push_back({f, as_size(curve - findings.largest.begin()), curve->at});
+        places.push_back({f, as_size(curve - findings.largest.begin()), curve->at, curve->is_peak});
     }
     return places;
 }
@@ -103,9 +162,15 @@ bool is_largest(const Column& figure) { return figure.name.ends_with(kLargest); 
 bool differentiate_responses(const FigureFunction& function, int jobs, LocalSensitivity& found, std::string& reason) {
     Warnings silent(Warnings::Silent::yes);
     ResponseFindings findings;
-    const std::vector<CurveAt> places = find_places(function, findings);
+    std::vector<CurveAt> places = find_places(function, findings);
     ResponseMachine middle(function.plan().request, function.plugins(), silent);
     middle.session.machine.damp(findings.highest);
+    const size_t count = places.size();
+    for (size_t c = 0; c < count; ++c) {
+        if (places[c].is_peak) find_peak(middle.curves, places[c]);
+        found.figures(places[c].figure) = std::abs(amplitudes(middle, {places[c]}).front());
+        places.push_back(shifted(places[c], places[c].shift));
+    }
     const auto parameters = as_size(function.nominal().size());
     const std::vector<TaskResult> results = map_in_processes(parameters, jobs, [&](size_t p) {
         return slopes_of_amplitudes(function, middle, findings.highest, places, as_row(p));
@@ -113,11 +178,11 @@ bool differentiate_responses(const FigureFunction& function, int jobs, LocalSens
     reason = first_reason(results);
     if (!reason.empty()) return false;
     const auto [slopes, errors] = SmallChanges(results, places.size());
-    for (size_t c = 0; c < places.size(); ++c) {
-        const Eigen::Index f = places[c].figure;
-        found.figures(f) = findings.largest[places[c].curve].size;
-        found.slopes.row(f) = slopes.row(as_row(c));
-        found.errors.row(f) = errors.row(as_row(c));
+    for (size_t c = 0; c < count; ++c) {
+        const Eigen::Index f = places[c].figure, at = as_row(c), beside = as_row(count + c);
+        found.slopes.row(f) = slopes.row(at);
+        found.errors.row(f) = errors.row(at);
+        if (places[c].is_peak) found.errors.row(f) += places[c].error * (slopes.row(beside) - slopes.row(at)).cwiseAbs();
     }
     return true;
 }

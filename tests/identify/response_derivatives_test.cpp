@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "identify/response_derivatives.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
 
 #include "identify/figures_of.h"
 #include "record/temporary_folder.h"
@@ -70,6 +75,85 @@ INSTANTIATE_TEST_SUITE_P(Of, ResponseSlopes,
                                                     {"--to", "241 Hz"},
                                                     {"--points", "2"}}}),
                          [](const testing::TestParamInfo<Vibration>& one) { return one.param.name; });
+
+/// Two masses in a row on springs and dampers [kg, N/m, N s/m], F = 1 N on the second.
+struct TwoMasses {
+    double m1 = 2.5, m2 = 0.9, k1 = 3e4, k2 = 1.7e4, c1 = 1, c2 = 1;
+    double second(double f) const {
+        const std::complex<double> iw(0, 2 * std::numbers::pi * f), s1 = k1 + iw * c1, s2 = k2 + iw * c2;
+        return std::abs((m1 * iw * iw + s1 + s2) / ((m1 * iw * iw + s1 + s2) * (m2 * iw * iw + s2) - s2 * s2));
+    }
+    /// The first peak, by thirds of ever smaller intervals.
+    double peak() const {
+        double low = 5, high = 16;
+        while (high - low > 1e-9) {
+            const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+            (second(a) < second(b) ? low : high) = second(a) < second(b) ? a : b;
+        }
+        return second(low);
+    }
+};
+
+// Oracle: differences of peaks of the closed form. A peak is as sharp as 1/70 000 of its frequency; its slope is not that
+// of the curve at a fixed frequency, which changes sign within the peak.
+TEST(ResponseSlopesOf, PeaksMoveWithTheMachine) {
+    const TemporaryFolder folder;
+    for (const double c : {200.0, 20.0, 1.0, 0.01}) {
+        const TwoMasses machine{.c1 = c, .c2 = c / 3};
+        write_text(folder / "model.toml",
+                   fmt::format(R"(format = "dttmm/1"
+dofs = ["z"]
+[parameters]
+k1 = {}
+k2 = {}
+m1 = {}
+c1 = {}
+[defaults]
+body.inertia = [1, 1, 1]
+[[body]]
+name = "a"
+mass = "=m1"
+[[body]]
+name = "b"
+mass = {}
+position = [0, 0, 1]
+[[element]]
+name = "s1"
+type = "spring_damper"
+from = "ground"
+to = "a"
+stiffness = "=k1"
+damping = "=c1"
+[[element]]
+name = "s2"
+type = "spring_damper"
+from = "a"
+to = "b"
+stiffness = "=k2"
+damping = {}
+)",
+                               machine.k1, machine.k2, machine.m1, machine.c1, machine.m2, machine.c2));
+        const FiguresOf figures(folder / "model.toml", {"k1", "k2", "m1", "c1"}, {"*.largest"},
+                                {{"--in", "b.z"}, {"--out", "b.position.z"}, {"--from", "2 Hz"}, {"--to", "16 Hz"}});
+        LocalSensitivity found = room_for(figures);
+        std::string reason;
+        ASSERT_TRUE(differentiate_responses(figures.function(), 2, found, reason)) << reason;
+        EXPECT_NEAR(found.figures(0) / machine.peak(), 1, 1e-9);
+        double TwoMasses::*const parameters[] = {&TwoMasses::k1, &TwoMasses::k2, &TwoMasses::m1, &TwoMasses::c1};
+        for (Eigen::Index p = 0; p < 4; ++p) {
+            const auto changed = [&](double share) {
+                TwoMasses other = machine;
+                other.*parameters[p] *= 1 + share;
+                return other.peak();
+            };
+            const auto slope = [&](double d) { return (changed(d) - changed(-d)) / (2 * d); };
+            const double exact = (4 * slope(1e-3) - slope(2e-3)) / 3;
+            EXPECT_NEAR(found.slopes(0, p) / machine.peak(), exact / machine.peak(), 1e-6)
+                << figures.function().parameters()[static_cast<size_t>(p)].name << ", c = " << c;
+            EXPECT_LT(found.errors(0, p), 1e-4 * machine.peak());
+        }
+    }
+}
 
 TEST(ResponseSlopesOf, DampingOfModesIsRefused) {
     const TemporaryFolder folder;

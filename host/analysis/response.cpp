@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "analysis/modal_session.h"
 #include "analysis/random_response.h"
@@ -54,6 +55,29 @@ private:
         OperatingPoint at;
         bool is_peak = false;  ///< see ResponseFindings
     };
+    /// The two largest peaks of a curve, between rows that ascend.
+    struct Peaks {
+        struct One {
+            double size = 0;
+            OperatingPoint at = {};
+            bool is_inside = false;
+        };
+        One first, second, last;
+        double before = 0;  ///< the size of the row before the last one
+
+        void take(const One& row) {
+            if (last.is_inside && last.size > before && last.size >= row.size) {
+                if (last.size > first.size)
+                    second = std::exchange(first, last);
+                else if (last.size > second.size)
+                    second = last;
+            }
+            before = last.size;
+            last = row;
+        }
+        /// The largest one that is not this.
+        const One& beside(double size) const { return first.size == size ? second : first; }
+    };
 
     bool write_rows(const ResultsFolder& folder, size_t& rows);
     void write_random(const ResultsFolder& folder);
@@ -70,15 +94,18 @@ private:
     ResponseMachine machine_;
     ResponsePlan plan_;
     std::vector<Largest> largest_;
+    std::vector<Peaks> peaks_;
     std::vector<double> rms_;  ///< of the chosen channels
 };
 
 void SteadyResponse::keep_largest(const ResponseSweep& sweep, const OperatingPoint& at, const Values& values) {
     const double x = at.speed.value_or(at.frequency);
     const bool is_inside = sweep.is_adaptive && !at.has_own && x > sweep.x.front() && x < sweep.x.back();
-    for (size_t c = 0; c < largest_.size(); ++c)
+    for (size_t c = 0; c < largest_.size(); ++c) {
+        if (!at.has_own) peaks_[c].take({std::abs(values[c]), at, is_inside});
         if (std::abs(values[c]) > largest_[c].size)
             largest_[c] = {std::abs(values[c]), std::arg(values[c]) * 180 / std::numbers::pi, at, is_inside};
+    }
 }
 
 std::vector<Column> SteadyResponse::columns() const {
@@ -219,6 +246,7 @@ ResponseFindings SteadyResponse::findings() const {
         const OperatingPoint& at = largest_[c].at;
         found.largest.push_back({machine_.curves.name(c), machine_.curves.unit(c), largest_[c].size, at.frequency, at});
         found.largest.back().is_peak = largest_[c].is_peak;
+        if (const Peaks::One& next = peaks_[c].beside(largest_[c].size); next.size > 0) found.largest.back().next = next.at;
         if (plan_.has_speeds) found.largest.back().rpm = at.speed.value_or(0) / kPerRpm;
     }
     for (size_t c = 0; c < rms_.size(); ++c)
@@ -228,6 +256,7 @@ ResponseFindings SteadyResponse::findings() const {
 
 ExitCode SteadyResponse::run(ResponseFindings* found) {
     largest_.resize(machine_.curves.size());
+    peaks_.resize(machine_.curves.size());
     if (!plan_.sweeps.empty()) machine_.curves.try_first(plan_.sweeps.front());  // it may be refused: before the folder
     const ResultsFolder folder(results_path(request_, "-response"));
     size_t rows = 0;

@@ -19,8 +19,9 @@ struct ResponseFindings {
         std::string name, unit;
         double size = 0, frequency = 0;  ///< [unit, Hz]
         OperatingPoint at = {};
-        std::optional<double> rpm = {};  ///< of a response over speed
-        bool is_peak = false;            ///< between the ends of adaptive points: a peak moves with the machine
+        std::optional<double> rpm = {};           ///< of a response over speed
+        bool is_peak = false;                     ///< between the ends of adaptive points: a peak moves with the machine
+        std::optional<OperatingPoint> next = {};  ///< the largest peak beside it
     };
     struct Level {
         std::string name, unit;

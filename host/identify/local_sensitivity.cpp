@@ -326,10 +326,10 @@ void write_tables(const ResultsFolder& folder, const Request& request, const Fig
                         {"per_logarithm", number(local.slopes(f, p))},
                         {"error", number(local.errors(f, p))}};
             if (has_competing(local, f, p))
-                by[name]["competing"] = {
-                    {"time", local.competing_times.size() > 0 ? number(local.competing_times(f)) : Json()},
-                    {"change_of_logarithm", local.reach(f, p)},
-                    {"per_logarithm", number(local.competing(f, p))}};
+                by[name]["competing"] = {{function.command() == "run" ? "time" : "frequency_hz",
+                                          local.competing_at.size() > 0 ? number(local.competing_at(f)) : Json()},
+                                         {"change_of_logarithm", local.reach(f, p)},
+                                         {"per_logarithm", number(local.competing(f, p))}};
         }
         Json one = {{"figure", figure.name}, {"unit", figure.unit}, {"value", number(local.figures(f))}, {"by", by}};
         if (scatter)
@@ -354,6 +354,7 @@ void print(const FigureFunction& function, const LocalSensitivity& local, const 
     std::string head = fmt::format("{:<{}} {:>14} {:<8}", "% per %", width, "value", "");
     for (const Column& one : function.parameters()) head += fmt::format(" {:>11}", one.name);
     fmt::print("{}\n", head);
+    const bool is_run = function.command() == "run";
     std::vector<std::string> uncertain, doubtful;
     for (Eigen::Index f = 0; f < local.figures.size(); ++f) {
         const Column& one = function.figures()[as_size(f)];
@@ -369,19 +370,23 @@ void print(const FigureFunction& function, const LocalSensitivity& local, const 
         if (is_uncertain) uncertain.push_back(one.name);
         bool is_doubtful = false;
         for (Eigen::Index p = 0; p < local.slopes.cols(); ++p) is_doubtful = is_doubtful || has_competing(local, f, p);
-        const bool has_time = local.competing_times.size() > 0;
+        const bool has_place = local.competing_at.size() > 0;
         if (is_doubtful)
-            doubtful.push_back(has_time ? fmt::format("{} (at {:.6g} s)", one.name, local.competing_times(f)) : one.name);
+            doubtful.push_back(has_place
+                                   ? fmt::format("{} (at {:.6g} {})", one.name, local.competing_at(f), is_run ? "s" : "Hz")
+                                   : one.name);
         fmt::print("{}\n", line);
     }
-    const bool is_run = function.command() == "run";
     if (!uncertain.empty())
         fmt::print("known to worse than 1 % only{}: {}\n",
                    is_run && !method.reason.empty() ? ", as where a peak moves from one instant to another" : "",
                    listed(uncertain));
     if (!doubtful.empty())
         fmt::print("after a change of a parameter by less than 1 % {}, and other slopes hold: {}\n",
-                   is_run ? "another extreme is the largest" : "two frequencies come together", listed(doubtful));
+                   is_run                          ? "another extreme is the largest"
+                   : function.command() == "modes" ? "two frequencies come together"
+                                                   : "another peak is the largest",
+                   listed(doubtful));
     if (!method.reason.empty())
         fmt::print("by differences of {}: {}\n",
                    is_run                          ? "whole runs"

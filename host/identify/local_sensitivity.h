@@ -15,8 +15,9 @@ struct LocalSensitivity {
     Eigen::MatrixXd slopes;   ///< d figure/d ln p: a row per figure, a column per parameter
     Eigen::MatrixXd errors;   ///< of the slopes
     /// Of direct differentiation: slopes of the extreme that comes next (see FigureSlopes), or of the next frequency, and
-    /// the changes of ln p by which they come to be the same; of extremes their instants. Empty of differences.
-    Eigen::VectorXd competing_times;
+    /// the changes of ln p by which they come to be the same; of extremes their instants [s], of peaks of responses their
+    /// frequencies [Hz]. Empty of differences.
+    Eigen::VectorXd competing_at;
     Eigen::MatrixXd competing, reach;
 };
 

@@ -26,14 +26,15 @@ using Complex = std::complex<double>;
 
 constexpr std::string_view kLargest = ".largest";
 
-/// A figure: a curve at the operating point of its largest magnitude.
+/// A curve at the operating point of its largest magnitude, which is a figure, or at another one.
 struct CurveAt {
     Eigen::Index figure;
     size_t curve;
     OperatingPoint at;
-    bool is_peak;      ///< which moves with the machine
-    double shift = 0;  ///< to a point beside a peak [Hz, of an order rad/s]
-    double error = 0;  ///< of a peak's place, as share of the shift
+    bool is_peak;          ///< which moves with the machine
+    bool is_next = false;  ///< the largest peak beside that of the figure
+    double shift = 0;      ///< to a point beside a peak [Hz, of an order rad/s]
+    double error = 0;      ///< of a peak's place, as share of the shift
 };
 
 /// The same curve elsewhere along the same frequencies or speeds.
@@ -61,7 +62,7 @@ Top top_of(ResponseCurves& curves, const CurveAt& place, double step) {
 /// Moves the place to where the curve is largest; the error of its place has no bound where it is not found. A slope at a
 /// fixed frequency is that of a peak only there: within a resonance of quality Q it changes by some Q times what the place
 /// is off by, as share of the peak's width.
-void find_peak(ResponseCurves& curves, CurveAt& place) {
+bool finds_peak(ResponseCurves& curves, CurveAt& place) {
     constexpr double kFirstStep = 1e-4, kFlat = 1e-6;  // of the frequency: flat curves have no place that matters
     constexpr double kOfWidth = 0.01;                  // steps, of half the width at 0.7 of the peak
     constexpr double kEnough = 1e-7;                   // of a step
@@ -74,7 +75,7 @@ void find_peak(ResponseCurves& curves, CurveAt& place) {
         if (pass == 0 && std::abs(wide.curvature) * x * x < kFlat && std::abs(wide.slope) * x < kFlat) {
             place.error = 1;
             place.shift = step;
-            return;
+            return true;
         }
         const double width = std::min(x, 1 / std::sqrt(std::max(0.0, -wide.curvature)));
         if (!(wide.curvature < 0) || step > 2 * kOfWidth * width) {
@@ -83,11 +84,22 @@ void find_peak(ResponseCurves& curves, CurveAt& place) {
         }
         const Top narrow = top_of(curves, place, step / 2);
         const double by = narrow.away() + (narrow.away() - wide.away()) / 3, last = place.error;
-        if (!(std::abs(by) < width)) return;
+        if (!(std::abs(by) < width)) return false;
         place = shifted(place, by);
         place.shift = step;
         place.error = std::max(kEnough, std::abs(by) / step);
-        if (place.error == kEnough || place.error > last / 2) return;
+        if (place.error == kEnough || place.error > last / 2) return true;
+    }
+    return false;
+}
+
+/// The next peak goes where it is not found, or where nothing damps it.
+bool drops(ResponseCurves& curves, CurveAt& place) {
+    try {
+        return place.is_peak && !finds_peak(curves, place) && place.is_next;
+    } catch (const Error& error) {
+        if (!place.is_next || error.code() != ExitCode::numerical_failure) throw;
+        return true;
     }
 }
 
@@ -151,6 +163,7 @@ std::vector<CurveAt> find_places(const FigureFunction& function, ResponseFinding
         const std::string name = figure.name.substr(0, figure.name.size() - kLargest.size());
         const auto curve = std::ranges::find(findings.largest, name, &ResponseFindings::Largest::name);
         places.push_back({f, as_size(curve - findings.largest.begin()), curve->at, curve->is_peak});
+        if (curve->next) places.push_back({f, places.back().curve, *curve->next, true, true});
     }
     return places;
 }
@@ -165,12 +178,9 @@ bool differentiate_responses(const FigureFunction& function, int jobs, LocalSens
     std::vector<CurveAt> places = find_places(function, findings);
     ResponseMachine middle(function.plan().request, function.plugins(), silent);
     middle.session.machine.damp(findings.highest);
+    std::erase_if(places, [&](CurveAt& place) { return drops(middle.curves, place); });
     const size_t count = places.size();
-    for (size_t c = 0; c < count; ++c) {
-        if (places[c].is_peak) find_peak(middle.curves, places[c]);
-        found.figures(places[c].figure) = std::abs(amplitudes(middle, {places[c]}).front());
-        places.push_back(shifted(places[c], places[c].shift));
-    }
+    for (size_t c = 0; c < count; ++c) places.push_back(shifted(places[c], places[c].shift));
     const auto parameters = as_size(function.nominal().size());
     const std::vector<TaskResult> results = map_in_processes(parameters, jobs, [&](size_t p) {
         return slopes_of_amplitudes(function, middle, findings.highest, places, as_row(p));
@@ -178,11 +188,24 @@ bool differentiate_responses(const FigureFunction& function, int jobs, LocalSens
     reason = first_reason(results);
     if (!reason.empty()) return false;
     const auto [slopes, errors] = SmallChanges(results, places.size());
+    found.competing_at.setZero(found.figures.size());
     for (size_t c = 0; c < count; ++c) {
         const Eigen::Index f = places[c].figure, at = as_row(c), beside = as_row(count + c);
+        const double size = std::abs(amplitudes(middle, {places[c]}).front());
+        if (places[c].is_next) {
+            const Eigen::RowVectorXd nearer = slopes.row(at) - found.slopes.row(f);
+            found.competing_at(f) = places[c].at.frequency;
+            found.competing.row(f) = slopes.row(at);
+            found.reach.row(f) = std::abs(found.figures(f) - size) / nearer.array().abs();
+            continue;
+        }
+        found.figures(f) = size;
         found.slopes.row(f) = slopes.row(at);
         found.errors.row(f) = errors.row(at);
-        if (places[c].is_peak) found.errors.row(f) += places[c].error * (slopes.row(beside) - slopes.row(at)).cwiseAbs();
+        if (std::isinf(places[c].error))
+            found.errors.row(f).setConstant(places[c].error);
+        else
+            found.errors.row(f) += places[c].error * (slopes.row(beside) - slopes.row(at)).cwiseAbs();
     }
     return true;
 }

@@ -169,7 +169,7 @@ private:
 
 /// Figures of a run and how they change in some directions, a column each.
 struct Slopes {
-    Eigen::VectorXd figures, competing_times;
+    Eigen::VectorXd figures, competing_at;
     Eigen::MatrixXd slopes, error, competing, reach;
 };
 
@@ -196,7 +196,7 @@ std::optional<Slopes> differentiate(const FigureFunction& function, std::span<co
         const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> table(
             result.numbers.data(), count, numbers);
         all.figures = table.col(0);
-        all.competing_times = table.col(1);
+        all.competing_at = table.col(1);
         Eigen::Index from = 2;
         for (Eigen::MatrixXd* list : {&all.slopes, &all.error, &all.competing, &all.reach}) {
             list->middleCols(column, own) = table.middleCols(from, own);
@@ -257,8 +257,8 @@ bool differentiate_run(const FigureFunction& function, int jobs, LocalSensitivit
     if (!own) return false;
     const Eigen::VectorXd sum = own->slopes * signs;
     const Eigen::VectorXd mismatch = (together->slopes.middleCols(best, 2).colwise() - sum).cwiseAbs().rowwise().maxCoeff();
-    found = {own->figures,         own->slopes,    own->error + mismatch.replicate(1, count),
-             own->competing_times, own->competing, own->reach};
+    found = {own->figures,      own->slopes,    own->error + mismatch.replicate(1, count),
+             own->competing_at, own->competing, own->reach};
     return true;
 }
 

@@ -27,7 +27,8 @@ void PrintTo(const Vibration& one, std::ostream* out) { *out << one.name; }
 LocalSensitivity room_for(const FiguresOf& figures) {
     LocalSensitivity found;
     found.figures.setZero(as_row(figures.figures().size()));
-    found.slopes = found.errors = Eigen::MatrixXd::Zero(found.figures.size(), figures.function().nominal().size());
+    found.slopes = found.errors = found.competing = found.reach =
+        Eigen::MatrixXd::Zero(found.figures.size(), figures.function().nominal().size());
     return found;
 }
 
@@ -83,25 +84,33 @@ struct TwoMasses {
         const std::complex<double> iw(0, 2 * std::numbers::pi * f), s1 = k1 + iw * c1, s2 = k2 + iw * c2;
         return std::abs((m1 * iw * iw + s1 + s2) / ((m1 * iw * iw + s1 + s2) * (m2 * iw * iw + s2) - s2 * s2));
     }
-    /// The first peak, by thirds of ever smaller intervals.
-    double peak() const {
-        double low = 5, high = 16;
+    /// The largest between two frequencies [Hz], where there is one peak, by thirds of ever smaller intervals.
+    double peak(double low = 5, double high = 16) const {
         while (high - low > 1e-9) {
             const double a = low + (high - low) / 3, b = high - (high - low) / 3;
             (second(a) < second(b) ? low : high) = second(a) < second(b) ? a : b;
         }
         return second(low);
     }
+    double next_peak() const { return peak(20, 60); }
 };
 
-// Oracle: differences of peaks of the closed form. A peak is as sharp as 1/70 000 of its frequency; its slope is not that
-// of the curve at a fixed frequency, which changes sign within the peak.
-TEST(ResponseSlopesOf, PeaksMoveWithTheMachine) {
-    const TemporaryFolder folder;
-    for (const double c : {200.0, 20.0, 1.0, 0.01}) {
-        const TwoMasses machine{.c1 = c, .c2 = c / 3};
-        write_text(folder / "model.toml",
-                   fmt::format(R"(format = "dttmm/1"
+double TwoMasses::*const kParameters[] = {&TwoMasses::k1, &TwoMasses::k2, &TwoMasses::m1, &TwoMasses::c1};
+
+/// Slope of a peak by the logarithm of a parameter, from differences.
+template <class Peak>
+double slope_of(const TwoMasses& machine, Eigen::Index parameter, const Peak& peak) {
+    const auto changed = [&](double share) {
+        TwoMasses other = machine;
+        other.*kParameters[parameter] *= 1 + share;
+        return peak(other);
+    };
+    const auto slope = [&](double d) { return (changed(d) - changed(-d)) / (2 * d); };
+    return (4 * slope(1e-3) - slope(2e-3)) / 3;
+}
+
+LocalSensitivity of_peaks(const TemporaryFolder& folder, const TwoMasses& machine, const std::string& to) {
+    write_text(folder / "model.toml", fmt::format(R"(format = "dttmm/1"
 dofs = ["z"]
 [parameters]
 k1 = {}
@@ -132,26 +141,48 @@ to = "b"
 stiffness = "=k2"
 damping = {}
 )",
-                               machine.k1, machine.k2, machine.m1, machine.c1, machine.m2, machine.c2));
-        const FiguresOf figures(folder / "model.toml", {"k1", "k2", "m1", "c1"}, {"*.largest"},
-                                {{"--in", "b.z"}, {"--out", "b.position.z"}, {"--from", "2 Hz"}, {"--to", "16 Hz"}});
-        LocalSensitivity found = room_for(figures);
-        std::string reason;
-        ASSERT_TRUE(differentiate_responses(figures.function(), 2, found, reason)) << reason;
-        EXPECT_NEAR(found.figures(0) / machine.peak(), 1, 1e-9);
-        double TwoMasses::*const parameters[] = {&TwoMasses::k1, &TwoMasses::k2, &TwoMasses::m1, &TwoMasses::c1};
+                                                  machine.k1, machine.k2, machine.m1, machine.c1, machine.m2, machine.c2));
+    const FiguresOf figures(folder / "model.toml", {"k1", "k2", "m1", "c1"}, {"*.largest"},
+                            {{"--in", "b.z"}, {"--out", "b.position.z"}, {"--from", "2 Hz"}, {"--to", to}});
+    LocalSensitivity found = room_for(figures);
+    std::string reason;
+    EXPECT_TRUE(differentiate_responses(figures.function(), 2, found, reason)) << reason;
+    return found;
+}
+
+// Oracle: differences of peaks of the closed form. A peak is as sharp as 1/70 000 of its frequency; its slope is not that
+// of the curve at a fixed frequency, which changes sign within the peak.
+TEST(ResponseSlopesOf, PeaksMoveWithTheMachine) {
+    const TemporaryFolder folder;
+    for (const double c : {200.0, 20.0, 1.0, 0.01}) {
+        const TwoMasses machine{.c1 = c, .c2 = c / 3};
+        const LocalSensitivity found = of_peaks(folder, machine, "16 Hz");
+        const double peak = machine.peak();
+        EXPECT_NEAR(found.figures(0) / peak, 1, 1e-9);
         for (Eigen::Index p = 0; p < 4; ++p) {
-            const auto changed = [&](double share) {
-                TwoMasses other = machine;
-                other.*parameters[p] *= 1 + share;
-                return other.peak();
-            };
-            const auto slope = [&](double d) { return (changed(d) - changed(-d)) / (2 * d); };
-            const double exact = (4 * slope(1e-3) - slope(2e-3)) / 3;
-            EXPECT_NEAR(found.slopes(0, p) / machine.peak(), exact / machine.peak(), 1e-6)
-                << figures.function().parameters()[static_cast<size_t>(p)].name << ", c = " << c;
-            EXPECT_LT(found.errors(0, p), 1e-4 * machine.peak());
+            const double exact = slope_of(machine, p, [](const TwoMasses& one) { return one.peak(); });
+            EXPECT_NEAR(found.slopes(0, p) / peak, exact / peak, 1e-6) << "parameter " << p << ", c = " << c;
+            EXPECT_LT(found.errors(0, p), 1e-4 * peak);
         }
+    }
+}
+
+// Oracle: the same for two peaks of which one is 0.3 % larger, as of a tuned absorber.
+TEST(ResponseSlopesOf, TheNextPeakHasItsSlopeAndReach) {
+    const TemporaryFolder folder;
+    TwoMasses machine{.c1 = 0, .c2 = 1};
+    for (double low = 0, high = 2000; high - low > 1e-9;) {
+        machine.c1 = (low + high) / 2;
+        (machine.peak() > 1.003 * machine.next_peak() ? low : high) = machine.c1;
+    }
+    const LocalSensitivity found = of_peaks(folder, machine, "60 Hz");
+    const double peak = machine.peak();
+    ASSERT_NEAR(found.figures(0) / peak, 1, 1e-9);
+    EXPECT_NEAR(machine.second(found.competing_at(0)) / machine.next_peak(), 1, 1e-9);
+    for (Eigen::Index p = 0; p < 4; ++p) {
+        const double exact = slope_of(machine, p, [](const TwoMasses& one) { return one.next_peak(); });
+        EXPECT_NEAR(found.competing(0, p) / peak, exact / peak, 1e-6);
+        EXPECT_NEAR(found.reach(0, p) * std::abs(exact - found.slopes(0, p)) / (peak - machine.next_peak()), 1, 1e-4);
     }
 }
 

@@ -32,27 +32,93 @@ Eigen::VectorXd solve_others(const Eigen::MatrixXd& jacobian, const Eigen::Vecto
     return d;
 }
 
-/// How far chi2 rises when one unknown is moved and the others follow.
-double rise(const Residuals& residuals, const Solution& solution, size_t unknown, double distance, double base) {
-    const Unknowns& unknowns = residuals.unknowns();
-    const Eigen::MatrixXd& jacobian = solution.slopes;
-    constexpr int kRounds = 2;  // the first is exact for a linear model
-    std::vector<bool> fixed = solution.at_bound;
-    for (size_t i = 0; i < fixed.size(); ++i) fixed[i] = fixed[i] || solution.judged.is_dead[i] || i == unknown;
-    Eigen::VectorXd x = solution.x;
-    x(as_row(unknown)) += distance;
-    Eigen::VectorXd step = distance * jacobian.col(as_row(unknown));
-    x -= solve_others(jacobian, step, fixed);
-    double least = std::numeric_limits<double>::infinity();
-    for (int round = 0; round < kRounds; ++round) {
-        x = x.cwiseMax(unknowns.low()).cwiseMin(unknowns.high());
-        const Eigen::VectorXd own = residuals.at(x);
-        least = std::min(least, own.squaredNorm());
-        const Eigen::VectorXd before = x;
-        if (round + 1 < kRounds) x -= solve_others(jacobian, own, fixed);
-        if (x == before) break;  // there are no others
+/// chi2 of a solution as one unknown is moved and the others follow.
+class Profile {
+public:
+    Profile(const Residuals& residuals, const Solution& solution, size_t unknown, double allowed)
+        : residuals_(residuals), solution_(solution), unknown_(unknown) {
+        base_ = residuals.of(solution.predicted, solution.x).squaredNorm();
+        end_.most_evaluations = 50;
+        end_.enough = std::min(1e-5, 0.01 * allowed / (base_ + allowed));
+        for (size_t i = 0; i < solution.at_bound.size(); ++i)
+            if (i != unknown && !solution.judged.is_dead[i]) others_.push_back(as_row(i));
+        fixed_ = solution.at_bound;
+        for (size_t i = 0; i < fixed_.size(); ++i) fixed_[i] = fixed_[i] || solution.judged.is_dead[i] || i == unknown;
     }
-    return std::max(0.0, least - base);
+
+    /// How far chi2 rises. The others begin as a linear model has them, or in line with the last point that was nearer,
+    /// whichever is better, and go down from there: near a second solution they follow on a curve.
+    double rise(double distance) {
+        Eigen::VectorXd x = linear(distance);
+        if (last_.size() > 0 && std::abs(last_distance_) < std::abs(distance)) {
+            const Eigen::VectorXd ahead = within(solution_.x + distance / last_distance_ * (last_ - solution_.x));
+            if (residuals_.at(ahead).squaredNorm() < residuals_.at(x).squaredNorm()) x = ahead;
+        }
+        const Minimum minimum = minimise(problem(x), x(others_), end_);
+        x(others_) = minimum.x;
+        last_ = x;
+        last_distance_ = distance;
+        return std::max(0.0, minimum.chi2() - base_);
+    }
+
+private:
+    Eigen::VectorXd within(const Eigen::VectorXd& x) const {
+        return x.cwiseMax(residuals_.unknowns().low()).cwiseMin(residuals_.unknowns().high());
+    }
+    /// Exact for a linear model.
+    Eigen::VectorXd linear(double distance) const {
+        Eigen::VectorXd x = solution_.x;
+        x(as_row(unknown_)) += distance;
+        return within(x - solve_others(solution_.slopes, distance * solution_.slopes.col(as_row(unknown_)), fixed_));
+    }
+    /// Of the others, with the rest as in x.
+    LeastSquares problem(const Eigen::VectorXd& x) const {
+        const auto all = [this, x](const Eigen::VectorXd& part) {
+            Eigen::VectorXd point = x;
+            point(others_) = part;
+            return point;
+        };
+        return {[this, all](const Eigen::VectorXd& part) { return residuals_.at(all(part)); },
+                [this, all](const Eigen::VectorXd& part, const Eigen::VectorXd& here) {
+                    return residuals_.differentiate_quickly(all(part), here, {others_.begin(), others_.end()});
+                },
+                residuals_.unknowns().low()(others_), residuals_.unknowns().high()(others_)};
+    }
+
+    const Residuals& residuals_;
+    const Solution& solution_;
+    size_t unknown_;
+    double base_;
+    SearchEnd end_;
+    std::vector<Eigen::Index> others_;
+    std::vector<bool> fixed_;
+    Eigen::VectorXd last_;
+    double last_distance_ = 0;
+};
+
+/// The distance at which the profile has risen by what is allowed; none: it does not within `reach`, or the model has no
+/// answer there. first: where a linear model has it.
+std::optional<double> find_limit(Profile& profile, double sign, double first, double reach, double allowed) {
+    constexpr double kEnough = 0.1;  // of what is allowed: 5 % of the interval
+    constexpr int kMostTries = 20;
+    double distance = first, within = 0, beyond = std::numeric_limits<double>::infinity();
+    for (int n = 0; n < kMostTries; ++n) {
+        distance = std::min(distance, reach);
+        double risen = 0;
+        try {
+            risen = profile.rise(sign * distance);
+        } catch (const Error&) {
+            return std::nullopt;
+        }
+        if (std::abs(risen - allowed) < kEnough * allowed) break;
+        if (distance >= reach && risen < allowed) return std::nullopt;
+        (risen < allowed ? within : beyond) = distance;
+        // chi2 is nearly a parabola; far from one no step is trusted beyond a factor of three
+        distance *= std::clamp(std::sqrt(allowed / std::max(risen, 1e-12)), 1.0 / 3, 3.0);
+        if (distance <= within || distance >= beyond) distance = (within + beyond) / 2;
+        if (beyond - within < kEnough / 2 * beyond) break;  // a step
+    }
+    return distance;
 }
 
 /// Of chi2, at the ends of an interval of 95 %. Where the noise is an estimate, by the fewest differences behind it.
@@ -75,29 +141,15 @@ double allowed_rise(const Residuals& residuals) {
 void find_intervals(const Residuals& residuals, Solution& solution, double inflation) {
     const Unknowns& unknowns = residuals.unknowns();
     const double allowed = inflation * inflation * allowed_rise(residuals);
-    const double base = residuals.of(solution.predicted, solution.x).squaredNorm();
     const auto limit = [&](size_t unknown, double sign) -> std::optional<double> {
         const Unknown& one = unknowns[unknown];
         const double deviation = solution.judged.deviations(as_row(unknown)), x = solution.x(as_row(unknown));
-        const double bound = one.coordinate(sign > 0 ? one.high : one.low), reach = std::abs(bound - x);
         if (solution.judged.is_dead[unknown] || !std::isfinite(deviation)) return std::nullopt;
-        double distance = deviation > 0 ? std::sqrt(allowed) * deviation : 0.1 * reach;
-        constexpr int kMostTries = 8;
-        for (int round = 0; round < kMostTries; ++round) {
-            distance = std::min(distance, reach);
-            double risen = 0;
-            try {
-                risen = rise(residuals, solution, unknown, sign * distance, base);
-            } catch (const Error&) {
-                return std::nullopt;
-            }
-            constexpr double kEnough = 0.1;  // of what is allowed: 5 % of the interval
-            if (std::abs(risen - allowed) < kEnough * allowed) return x + sign * distance;
-            if (distance >= reach && risen < allowed) return std::nullopt;
-            // chi2 is nearly a parabola; far from one no step is trusted beyond a factor of three
-            distance *= std::clamp(std::sqrt(allowed / std::max(risen, 1e-12)), 1.0 / 3, 3.0);
-        }
-        return x + sign * distance;
+        const double reach = std::abs(one.coordinate(sign > 0 ? one.high : one.low) - x);
+        Profile profile(residuals, solution, unknown, allowed);
+        const double first = deviation > 0 ? std::sqrt(allowed) * deviation : 0.1 * reach;
+        const std::optional<double> distance = find_limit(profile, sign, first, reach, allowed);
+        return distance ? std::optional(x + sign * *distance) : std::nullopt;
     };
     const std::vector<TaskResult> limits = map_in_processes(2 * unknowns.size(), residuals.jobs(), [&](size_t task) {
         const std::optional<double> found = limit(task / 2, task % 2 == 0 ? -1 : 1);

@@ -112,6 +112,39 @@ TEST_F(Identify, ShapesTellWhichSolutionIsTrue) {
     EXPECT_THAT(ended.out, HasSubstr("assumed"));
 }
 
+// Two storeys whose two frequencies k1, k2 meet as well as 2 k2, k1/2 do: where both are near, one interval holds them.
+// Oracle: the profile of chi2 of the closed form.
+TEST_F(Identify, IntervalsHoldASecondSolutionNearBy) {
+    const double m = 1, k2 = 1e4, noise = 0.005;
+    for (const double apart : {1.02, 1.1, 1.16, 1.25, 1.4}) {
+        const double k1 = 2e4 * apart;
+        const auto frequencies = [&](double a, double b) {
+            const double half = (a + 2 * b) / (2 * m), root = std::sqrt(half * half - a * b / (m * m));
+            return std::pair(std::sqrt(half - root) / (2 * M_PI), std::sqrt(half + root) / (2 * M_PI));
+        };
+        const auto [f1, f2] = frequencies(k1, k2);
+        const auto profile = [&](double a) {
+            double least = std::numeric_limits<double>::infinity();
+            for (double b = 5e3; b < 2e4; b *= 1.0002) {
+                const auto [g1, g2] = frequencies(a, b);
+                least = std::min(least, std::pow((g1 / f1 - 1) / noise, 2) + std::pow((g2 / f2 - 1) / noise, 2));
+            }
+            return least;
+        };
+        write_text(folder_ / "model.toml", shear_frame({m, m}, {k1, k2}));
+        write_text(folder_ / "data.csv",
+                   fmt::format("frequency,frequency.deviation\nHz,Hz\n{:.17g},{:.17g}\n{:.17g},{:.17g}\n", f1, noise * f1,
+                               f2, noise * f2));
+        const Ended ended = identify({"--measured", "data.csv", "--free", "k1,k2"});
+        ASSERT_EQ(ended.code, 0) << ended.err;
+        for (const auto& solution : found()["solutions"])
+            for (const char* end : {"low", "high"})
+                EXPECT_NEAR(profile(solution["parameters"]["k1"][end].get<double>()) / 3.8415, 1, 0.12)
+                    << apart << " " << end;
+        EXPECT_EQ(covers(found(), "k1", k1) && covers(found(), "k1", 2e4), apart < 1.3) << apart;
+    }
+}
+
 // Eighteen storeys, three modes at six floors. Data: the same repository, EighteenStoryStructure.
 TEST_F(Identify, MoreUnknownsThanDataAreNotPrintedAsKnown) {
     std::vector<double> masses, stiffnesses;

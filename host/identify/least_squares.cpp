@@ -15,11 +15,12 @@ namespace {
 
 constexpr double kRefused = 1e3;  // times the residual at the start: a step to where the model has no answer
 
-/// The problem in those unknowns that are not held, as Eigen's solver wants it.
+/// The problem in those unknowns that are not held, as Eigen's solver wants it: with as many residuals as unknowns or more.
+/// Where there are fewer, zeros are added.
 class FreeProblem : public Eigen::DenseFunctor<double> {
 public:
     FreeProblem(const LeastSquares& problem, Eigen::VectorXd x, Eigen::VectorXd at_start, std::vector<Eigen::Index> free)
-        : DenseFunctor<double>(as_int(free.size()), as_int(at_start.size())),
+        : DenseFunctor<double>(as_int(free.size()), std::max(as_int(free.size()), as_int(at_start.size()))),
           problem_(problem),
           x_(std::move(x)),
           refused_(kRefused * (1 + at_start.norm())),
@@ -31,7 +32,8 @@ public:
         try {
             last_x_ = whole(part);
             last_ = problem_.residual(last_x_);
-            residual = last_;
+            residual.setZero(values());
+            residual.head(last_.size()) = last_;
             if (residual.allFinite()) return 0;
         } catch (const Error&) {
             if (StopSignals::requested()) return -1;
@@ -52,7 +54,8 @@ public:
         const Eigen::MatrixXd all = problem_.jacobian(x, here);
         is_given_up = problem_.is_hopeless && problem_.is_hopeless(here, all);
         if (is_given_up) return -1;
-        for (size_t i = 0; i < free_.size(); ++i) jacobian.col(as_row(i)) = all.col(free_[i]);
+        jacobian.setZero(values(), inputs());
+        jacobian.topRows(all.rows()) = all(Eigen::all, free_);
         return 0;
     }
 
@@ -81,7 +84,7 @@ void descend(const LeastSquares& problem, Minimum& minimum, const SearchEnd& end
     for (size_t i = 0; i < minimum.at_bound.size(); ++i)
         if (!minimum.at_bound[i]) free.push_back(as_row(i));
     minimum.is_converged = free.empty();
-    if (free.empty() || minimum.residual.size() < as_row(free.size())) return;
+    if (free.empty()) return;
     FreeProblem own(problem, minimum.x, minimum.residual, free);
     Eigen::LevenbergMarquardt<FreeProblem> solver(own);
     solver.setFtol(end.enough);

@@ -148,7 +148,7 @@ std::string describe_answer(const Identification& found, const Comparison& compa
     for (size_t i = 0; i < unknowns.size(); ++i) open += !best.judged.is_dead[i] && !best.low[i] && !best.high[i];
     if (found.is_underdetermined && fit.is_hopeless())
         return fmt::format(
-            "No set of values that was found explains the data ({}), though there are as many unknowns as data",
+            "No set of values that was found explains the data ({}), though there are no fewer unknowns than data",
             describe_chi2(fit));
     if (found.is_underdetermined)
         return fmt::format(

@@ -167,6 +167,21 @@ TEST_F(Identify, MoreUnknownsThanDataAreNotPrintedAsKnown) {
         EXPECT_TRUE(own["low"].is_null() && own["high"].is_null()) << name;
 }
 
+// Oracle: two frequencies that the frame of other stiffnesses has: three values meet them in a line.
+TEST_F(Identify, MoreUnknownsThanDataMeetTheData) {
+    write_text(folder_ / "model.toml", shear_frame({1.2, 0.8, 1.7}, {1.3e4, 0.9e4, 2.2e4}));
+    const Ended modes = run_dttmm(folder_.path(), {"modes", "model.toml", "--count", "2", "-o", "true"});
+    ASSERT_EQ(modes.code, 0) << modes.err;
+    const nlohmann::json all = read_json(folder_ / "true/summary.json")["modes"];
+    write_text(folder_ / "data.csv", fmt::format("frequency\nHz\n{:.17g}\n{:.17g}\n", all[0]["frequency_hz"].get<double>(),
+                                                 all[1]["frequency_hz"].get<double>()));
+    write_text(folder_ / "model.toml", shear_frame({1.2, 0.8, 1.7}, {1.7e4, 1.2e4, 1.6e4}));
+    const Ended ended = identify({"--measured", "data.csv", "--free", "k1..k3"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, HasSubstr("Under-determined: 2 data for 3 unknowns"));
+    EXPECT_LT(found()["solutions"][0]["chi2"].get<double>(), 1e-12);
+}
+
 // Oracle: the secret values; data without noise give them to rounding, whatever the start.
 TEST_F(Identify, ExactHistoriesReturnTheSecretValues) {
     write_text(folder_ / "model.toml", struck_plate());

@@ -143,9 +143,14 @@ void EndOfStep::see_singular_position(const std::vector<BodyState>& now, Network
 bool EndOfStep::go_back(const std::vector<BodyState>& now) {
     BodyVectors& u = equations_.u();
     if (!convergence_.is_felt(u, base_u_) || equations_.residual(now, wrenches_) <= base_residual_) return false;
-    for (size_t b = 0; b < u.size(); ++b) u[b] = 0.5 * (u[b] + base_u_[b]);
+    bool is_moved = false;  // not where the two are neighbouring numbers
+    for (size_t b = 0; b < u.size(); ++b) {
+        const Eigen::Matrix<double, 6, 1> half = 0.5 * (u[b] + base_u_[b]);
+        is_moved = is_moved || half != u[b];
+        u[b] = half;
+    }
     stiffness_wanted_ = true;
-    return true;
+    return is_moved;
 }
 
 /// Whether the bodies have converged by this pass. With joints the first correction is that of multipliers from zero, and

@@ -157,5 +157,40 @@ TEST(TraceOption, IsForOneRunAndAFileThatCanBeWritten) {
     EXPECT_THAT(nowhere.err, HasSubstr("no/steps.csv: cannot open for writing"));
 }
 
+// Half of a correction of one unit in the last place is the correction again: a search that halves it must end.
+TEST(Trace, ACorrectionThatIsRoundingIsNotHalvedForEver) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", R"(format = "dttmm/1"
+[simulation]
+duration = 1
+step = 0.021683845921910663
+[[body]]
+name = "b0"
+density = 16921.433355758552
+box = [0.07608962986730869, 0.07896636973130591, 0.10045714993506248]
+position = [0.6411103053793618, 0.3635826690469397, 0.017434978794432968]
+angular_velocity = [0.28001482860074406, 0.3956933835695285, 0.8546169707834902]
+markers = { m3 = [-0.18084574777884305, 0.05176099776629451, -0.07440106305198242] }
+[[body]]
+name = "b1"
+mass = 70.6003578295053
+inertia = { xx = 1.078018503218193, yy = 0.5329107278696236, zz = 0.9320648668369151, xy = -0.10029706738914412, xz = -0.09176810806597682, yz = -0.13780563565963017 }
+position = [-0.3717783760545176, -0.5733826180500012, -0.33937577577111255]
+rotation = { axis = [0.8912203704141716, -0.3067560751219843, -0.3341062132534838], angle = -2.340170632310611 }
+markers = { m3 = [0.22118948743342332, -0.0980577545509896, -0.0010118551629012486] }
+[[element]]
+name = "bb"
+type = "spring_damper"
+from = "b0.m3"
+to = "b1.m3"
+damping = [32.03094654037087, 23.574897932152904, 18.56514129743172]
+rotational_damping = [1.6819413727410357, 0.40350396163490043, 0.7464519946940343]
+x = { law = "cubic", stiffness = 8348.984585197566, cubic = 2216927.0390563947 }
+)");
+    const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out"});
+    EXPECT_EQ(ended.code, 4);
+    EXPECT_THAT(ended.err, HasSubstr("was not found in 50 passes"));
+}
+
 }  // namespace
 }  // namespace dttmm::host

@@ -158,11 +158,11 @@ TEST(TraceOption, IsForOneRunAndAFileThatCanBeWritten) {
 }
 
 // Half of a correction of one unit in the last place is the correction again: a search that halves it must end.
-TEST(Trace, ACorrectionThatIsRoundingIsNotHalvedForEver) {
+TEST(TraceOption, ACorrectionThatIsRoundingIsNotHalvedForEver) {
     const TemporaryFolder folder;
     write_text(folder / "model.toml", R"(format = "dttmm/1"
 [simulation]
-duration = 1
+duration = 0.21683845921910663
 step = 0.021683845921910663
 [[body]]
 name = "b0"

@@ -72,9 +72,15 @@ InstantBalances::InstantBalances(const Mechanism& mechanism, const MasslessSet& 
         const auto is_damped = [&](size_t j) { return mechanism.joints[j].is_damped(); };
         if (group.rigid.empty() && std::ranges::none_of(group.joints, is_damped)) continue;
         number_of[g] = as_int(balances_.size());
-        // Forces at a massless rotation are those of masses, moments are its own: these balance it first
-        std::stable_partition(group.rigid.begin(), group.rigid.end(),
-                              [](const MasslessRow& row) { return row.direction >= 3; });
+        // What a support does to a massless node is the node's own, so are moments at a massless rotation, and balance it
+        // first; forces between it and masses are those of masses
+        std::ranges::stable_sort(group.rigid, {}, [&](const MasslessRow& row) {
+            const Joint& joint = mechanism.joints[row.joint];
+            const auto is_ground = [&](int frame) {
+                return mechanism.assembly.frames[as_size(frame)].kind == FrameSpec::Kind::ground;
+            };
+            return is_ground(joint.from()) || is_ground(joint.to()) ? 0 : row.direction >= 3 ? 1 : 2;
+        });
         Balance& balance = balances_.emplace_back();
         balance.group = std::move(group);
         const auto motions = as_row(6 * balance.group.frames.size()), rigid = as_row(balance.group.rigid.size()),

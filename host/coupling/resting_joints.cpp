@@ -13,10 +13,14 @@ namespace dttmm::host {
 
 namespace {
 
-/// Turn of a body in central differences [rad]; shifts are as much of the joint's arm. Of the forces, kJointTurn² = 1e-10 is
-/// neglected and 2e-16/kJointTurn = 2e-11 is rounding. Range 1e-9 to 1e-4, none fails (1e-11 ModesAtRest.ADoublePendulum...,
-/// 1e-3 ModesAtRest.APendulum...).
-constexpr double kJointTurn = 1e-5;
+/// Turn of a body in differences of the fourth order [rad]; shifts are as much of the joint's arm. Of the forces,
+/// kJointTurn⁴ = 1e-12 over thirty is neglected and some 2e-16/kJointTurn = 2e-13 is rounding.
+constexpr double kJointTurn = 1e-3;
+/// f' = Σ weight (f(at h) − f(−at h))/h.
+struct Point {
+    double at, weight;
+};
+constexpr Point kPoints[] = {{1, 2.0 / 3}, {2, -1.0 / 12}};
 
 }  // namespace
 
@@ -92,7 +96,7 @@ void RestingJoints::add(std::vector<BodyState>& at, double factor, const std::ve
     }
 }
 
-/// ∂(Jᵀ q)/∂(pose): the forces of a joint turn with its bodies. By central differences, exact for what is of second degree.
+/// ∂(Jᵀ q)/∂(pose): the forces of a joint turn with its bodies. By differences.
 void RestingJoints::add_stiffness(size_t j, std::vector<BodyState>& at, Triplets& entries) const {
     const JointEquations& joint = equations()[j];
     const Eigen::VectorXd q = reactions(j);
@@ -105,18 +109,20 @@ void RestingJoints::add_stiffness(size_t j, std::vector<BodyState>& at, Triplets
         for (int c = 0; c < 6; ++c) {
             Vector6 by = Vector6::Zero();
             by(c) = c < 3 ? kJointTurn * std::max(joint.arm(moving), 1e-3) : kJointTurn;
-            Vector6 difference[2] = {Vector6::Zero(), Vector6::Zero()};
-            for (const double sign : {1.0, -1.0}) {
-                body = moved(still, sign * by);
-                const JointEquations::Jacobian J = joint.jacobian(at);
-                for (const auto side : JointEquations::kSides) difference[side] += sign * J[side].transpose() * q;
-            }
+            Vector6 slope[2] = {Vector6::Zero(), Vector6::Zero()};
+            for (const Point& point : kPoints)
+                for (const double sign : {1.0, -1.0}) {
+                    body = moved(still, sign * point.at * by);
+                    const JointEquations::Jacobian J = joint.jacobian(at);
+                    for (const auto side : JointEquations::kSides)
+                        slope[side] += sign * point.weight / by(c) * J[side].transpose() * q;
+                }
             body = still;
             for (const auto side : JointEquations::kSides) {
                 const int row_body = joint.bodies()[side];
                 if (row_body < 0) continue;
                 for (int r = 0; r < 6; ++r) {
-                    const double k = 0.5 * difference[side](r) / (2 * by(c));
+                    const double k = 0.5 * slope[side](r);
                     entries.emplace_back(6 * row_body + r, 6 * column_body + c, k);
                     entries.emplace_back(6 * column_body + c, 6 * row_body + r, k);
                 }
@@ -176,7 +182,6 @@ RestingJoints::Vector6 RestingJoints::wrench(size_t j, const std::vector<BodySta
     return own;
 }
 
-/// By central differences: what is neglected and rounding are 1e-10 of the forces.
 Eigen::Matrix<double, 6, 12> RestingJoints::turning(size_t j, const std::vector<BodyState>& start) const {
     const JointEquations& joint = equations()[j];
     Eigen::Matrix<double, 6, 12> all = Eigen::Matrix<double, 6, 12>::Zero();
@@ -186,10 +191,11 @@ Eigen::Matrix<double, 6, 12> RestingJoints::turning(size_t j, const std::vector<
         if (body < 0) continue;
         for (int c = 0; c < 6; ++c) {
             const double step = c < 3 ? kJointTurn * std::max(joint.arm(side), 1e-3) : kJointTurn;
-            for (const double sign : {1.0, -1.0}) {
-                at[as_size(body)] = moved(start[as_size(body)], sign * step * Vector6::Unit(c));
-                all.col(6 * as_row(size_t{side}) + c) += sign / (2 * step) * wrench(j, at);
-            }
+            for (const Point& point : kPoints)
+                for (const double sign : {1.0, -1.0}) {
+                    at[as_size(body)] = moved(start[as_size(body)], sign * point.at * step * Vector6::Unit(c));
+                    all.col(6 * as_row(size_t{side}) + c) += sign * point.weight / step * wrench(j, at);
+                }
         }
         at[as_size(body)] = start[as_size(body)];
     }

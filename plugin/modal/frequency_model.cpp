@@ -79,6 +79,16 @@ double Bond::turning_energy(const FrameVector& u) const {
     return energy;
 }
 
+double Bond::turning_size(const FrameVector& u) const {
+    const int ends[2] = {from, to};
+    double size = 0;
+    for (int i : {0, 1})
+        for (int k : {0, 1})
+            if (ends[i] >= 0 && ends[k] >= 0)
+                size += u[as_size(ends[i])].cwiseAbs().dot(turning->at[i][k].cwiseAbs() * u[as_size(ends[k])].cwiseAbs());
+    return size;
+}
+
 // ---- The machine --------------------------------------------------------------------------------------------------------
 
 FrequencyModel::FrequencyModel(const dttmm_modal_model& model, const AtRest* rest)

@@ -73,6 +73,8 @@ struct Bond : Joined {
     void add_turning(const FrameVector& u, FrameVector& on_frames) const;
     /// uᵀ K u of it.
     double turning_energy(const FrameVector& u) const;
+    /// Of its terms, each with its size: what rounding is a share of.
+    double turning_size(const FrameVector& u) const;
 };
 
 /// A rod that lies straight between pins at its ends: its mass across itself is that of a bar, [1/3 1/6; 1/6 1/3] m.

@@ -66,6 +66,10 @@ std::vector<Vector6> strain_by_direction(const FrequencyModel& model, const Fram
     return energies;
 }
 
+/// Of what forces do as they turn, which cancels where nothing holds: share of the sum of its terms. Forces of joints turn
+/// by differences, which leave 2e-13.
+constexpr double kTurningRounding = 1e-12;
+
 std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector& u) {
     const FrequencyModel& model = D.model();
     std::vector<Strain> energies(model.element_count + 1);
@@ -79,7 +83,8 @@ std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector
         const Vector6 d = bond.axes.transpose() * (ends.tail<6>() - ends.head<6>());
         if (bond.turning) {
             const Vector6 world = ends.tail<6>() - ends.head<6>();
-            add(bond.element, {0.5 * (world.dot(bond.stiffness * world) + bond.turning_energy(u)), 0});
+            add(bond.element, {0.5 * (world.dot(bond.stiffness * world) + bond.turning_energy(u)),
+                               0.5 * kTurningRounding * bond.turning_size(u)});
             continue;
         }
         // In its own axes: where nothing holds there is no strain, not rounding of it
@@ -87,7 +92,8 @@ std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector
     }
     for (const FrequencyModel::Lever& lever : model.levers) {
         const Vector6& own = u[as_size(lever.frame)];
-        add(lever.element, {0.5 * own.dot(lever.stiffness * own), 0});
+        add(lever.element, {0.5 * own.dot(lever.stiffness * own),
+                            0.5 * kTurningRounding * own.cwiseAbs().dot(lever.stiffness.cwiseAbs() * own.cwiseAbs())});
     }
     for (const DynamicStiffness::Piece& piece : D.pieces()) {
         const auto& [stiffness, mass] = D.waves(piece);

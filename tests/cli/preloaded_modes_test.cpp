@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -351,6 +352,46 @@ rotational_stiffness = [1e4, 2e4, 3e4]
     expect_frequencies(frequencies(two + joint + one, "0"), found, 1e-9);
     expect_frequencies(frequencies(joint + two + one, "0"), found, 1e-9);
     expect_frequencies(frequencies(two + one + joint, "1e-7"), found, 1e-5);
+}
+
+// A body on a ball may spin about its line of pull, which nothing holds. Oracle: in axes of the body, in which the pull goes
+// through its centre of mass, the eigenproblem is that of no direction of gravity: m g l (1 - e eT) over its inertia about
+// the ball. The forces of a joint turn by differences: what they leave is no motion that grows.
+TEST(PreloadedModes, ABodyOnABallSpinsUnderObliqueGravity) {
+    const double m = 1.3, g = 9.3;
+    const Eigen::Vector3d arm(0.3, -0.1, -0.4);
+    for (const double slender : {1.0, 1e-4}) {
+        const Eigen::Vector3d inertia(0.012, 0.012, 0.0075 * slender);
+        const double l = arm.norm();
+        const Eigen::Matrix3d I = Eigen::Matrix3d::Identity(), across = I - arm * arm.transpose() / (l * l),
+                              J = Eigen::Matrix3d(inertia.asDiagonal()) + m * l * l * across;
+        const Eigen::Vector3d squares =
+            Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d>(m * g * l * across, J).eigenvalues();
+        for (const Eigen::Vector3d& down : {Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(1, 2, -9), Eigen::Vector3d(-3, 1, -1),
+                                            Eigen::Vector3d(0.2, -5, 4), Eigen::Vector3d(7, 7.1, -7.3)}) {
+            const Eigen::Vector3d gravity = g * down.normalized();
+            const std::vector<double> found = frequencies_of(modes_of(fmt::format(
+                R"(format = "dttmm/1"
+[simulation]
+gravity = [{:.17g}, {:.17g}, {:.17g}]
+[[body]]
+name = "bob"
+mass = {}
+inertia = [{}, {}, {:.17g}]
+position = [0.5, -0.3, -0.3]
+[[joint]]
+name = "ball"
+type = "ball"
+between = ["ground", "bob"]
+anchor = [0.2, -0.2, 0.1]
+)",
+                gravity.x(), gravity.y(), gravity.z(), m, inertia.x(), inertia.y(), inertia.z())));
+            ASSERT_EQ(found.size(), 3u);
+            EXPECT_EQ(found[0], 0);
+            for (Eigen::Index i : {1, 2})
+                EXPECT_NEAR(found[static_cast<size_t>(i)] * 2 * M_PI / std::sqrt(squares(i)), 1, 1e-9);
+        }
+    }
 }
 
 }  // namespace

@@ -132,6 +132,7 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
                                       "about other axes: only the symmetric part of what it does then is in the frequencies",
                                       load.place));
     }
+    if (machine.rest()) warn_unbalanced(*machine.rest(), "", warnings);
     for (const RestLimit& limit : machine.limits_at_rest())
         if (limit.most > 1) warn_limit(limit.channel, limit.element, limit.most, "at rest", warnings);
     std::string first;
@@ -159,6 +160,16 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
 }
 
 }  // namespace
+
+void warn_unbalanced(const RestState& rest, const std::string& place, Warnings& warnings) {
+    constexpr double kShown = 1e-6;
+    if (rest.unbalanced() <= kShown) return;
+    warnings.add("unbalanced",
+                 fmt::format("{}at rest the forces balance to {:.2g} N only, and the largest is {:.4g} N: rounding of "
+                             "places by the stiffest parts hides the rest. Forces and what follows from them are known "
+                             "no better; larger loads, or rigid parts for the stiffest, are",
+                             place, rest.residual, rest.force));
+}
 
 /// Gravity and lasting loads change the frequencies of what they tension or press: an inverted pendulum on a spring may have
 /// 41 % less.

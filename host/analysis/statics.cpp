@@ -196,7 +196,8 @@ void print_table(const Model& model, const Vectors& vectors) {
 /// A load factor at which a motion begins to grow.
 struct CriticalLoad {
     double factor;
-    std::optional<double> uncertainty;  ///< share of it by which rounding may change it at most; none: not known
+    /// Share of it by which rounding and forces that do not balance may change it at most; none: not known.
+    std::optional<double> uncertainty;
 };
 
 /// A machine at rest under a multiple of its forces.
@@ -325,6 +326,8 @@ void look_at_stability(const Request& request, const Model& model, const Plugins
         found.why_free_unknown = error.what();
     }
     if (request.statics.buckling > 0) found.factors = Buckling(describe()).find_factors(request.statics.buckling);
+    for (CriticalLoad& load : found.factors)
+        if (load.uncertainty) *load.uncertainty += found.rest.unbalanced();
 }
 
 /// What nothing holds in the machine as it is assembled, behind a reason why it does not come to rest.
@@ -556,6 +559,7 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
     if (!found.rest.open.empty())
         warnings.add("joint-open", fmt::format("{}{} where the machine rests: joints do not quite agree with each other",
                                                place, found.rest.open));
+    warn_unbalanced(found.rest, place, warnings);
     if (found.growing.value_or(0) > 0)
         warnings.add("unstable-equilibrium",
                      fmt::format("{}the equilibrium is unstable: {} from it after the smallest disturbance; \"dttmm modes\" "

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "model/error.h"
 #include "model/index.h"
@@ -24,6 +25,9 @@ constexpr int kMostIterations = 1000;
 constexpr double kLostExtents = 1e6;
 /// Of the extent of the machine: smaller corrections are rounding.
 constexpr double kNoCorrection = 1e-13;
+/// Of the extent of the machine: as long as corrections are larger, redundant joints close each other's openings of the
+/// second order by forces of 1e10 times the stiffness, which stay; they are found anew therefore.
+constexpr double kAnew = 1e-8;
 /// Of the largest force, those of joints included: without it a small correction only says that the resistance is large.
 constexpr double kBalance = 1e-6;
 /// A joint that is open by more at the end is warned of: share of the extent, or angle [rad]. Joints that agree leave 1e-13.
@@ -110,6 +114,7 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
     networks_.set_static_loads(factor * model_.simulation.gravity, loads.data());
     resistance_ = least_resistance_;
     farthest_ = size_.span;
+    shares_anew_ = true;
     Attempt attempt;
     double last = std::numeric_limits<double>::infinity();
     for (int i = 0; i < kMostIterations; ++i) {
@@ -132,6 +137,7 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
             const bool is_noise = correction.size <= 1e-6 * size_.extent && correction.size >= 0.5 * last &&
                                   state_.residual <= std::max(16 * noise_, 1e-9 * state_.force);
             last = correction.size;
+            if (std::exchange(shares_anew_, correction.size > kAnew * size_.extent)) continue;
             if (!is_small && !is_noise) continue;
             attempt.open = joints_.widest_opening(state_.at, factor, size_.span);
             if (attempt.open.share > kContradiction) return attempt;
@@ -258,7 +264,7 @@ void Equilibrium::form(double factor) {
         const double mass = size_.inertias[b].mass, turning = turning_mass(b) / (reach(b) * reach(b));
         stiffnesses.push_back(stiffest_ * mass + resistance_ * (mass + turning));
     }
-    joints_.add(state_.at, factor, stiffnesses, entries, right_hand_side_);
+    joints_.add(state_.at, factor, stiffnesses, shares_anew_, entries, right_hand_side_);
     matrix_.resize(joints_.rows(), joints_.rows());
     matrix_.setFromTriplets(entries.begin(), entries.end());
 }

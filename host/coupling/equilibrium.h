@@ -23,6 +23,9 @@ struct RestState {
     double force = 0;           ///< the largest of an element, load or weight [N]
     std::string open;           ///< a joint that is open by more than rounding, and how far; empty: none
     double turn = 0;            ///< the largest rotation of a body from its place in the assembled machine [rad]
+
+    /// What lacks, as share of the largest force. Rounding of places by the largest stiffness is a force too.
+    double unbalanced() const { return force > 0 ? residual / force : 0; }
 };
 
 /// Finds where a machine rests under its weight and its loads as they are at t0: forces and moments balance on all bodies
@@ -95,6 +98,7 @@ private:
     std::vector<double> change_;                    ///< 6 per body
     Eigen::SparseMatrix<double> matrix_, pattern_;  ///< pattern_: last analysed
     Eigen::SparseLU<Eigen::SparseMatrix<double>> lu_;
+    bool shares_anew_ = true;  ///< redundant joints, among each other
     double resistance_ = 0, least_resistance_ = 0, stiffest_ = 0;
     double farthest_ = 0;  ///< that one correction may move something [m]
     double noise_ = 0;

@@ -63,8 +63,8 @@ void RestingJoints::recall() {
 
 /// Equations and forces of all joints. What redundant joints share is settled by a small E, which multiplies the change of q
 /// only.
-void RestingJoints::add(std::vector<BodyState>& at, double factor, const std::vector<double>& held, Triplets& entries,
-                        Eigen::VectorXd& right_hand_side) const {
+void RestingJoints::add(std::vector<BodyState>& at, double factor, const std::vector<double>& held, bool shares_anew,
+                        Triplets& entries, Eigen::VectorXd& right_hand_side) const {
     constexpr double kProximal = 1e-10;
     for (size_t j = 0; j < equations().size(); ++j) {
         const JointEquations& joint = equations()[j];
@@ -81,6 +81,7 @@ void RestingJoints::add(std::vector<BodyState>& at, double factor, const std::ve
             const auto stop = [&] { return joint.stops()[stops_[j].side > 0 ? 0 : 1] - stops_[j].side * Stop::kPlay; };
             entries.emplace_back(first + row, first + row, is_idle ? 1 : -kProximal / stiffest);
             right_hand_side(first + row) = is_idle ? -q_(force + row) : is_stop ? stop() - joint.coordinate(at) : -C(row);
+            if (shares_anew && !is_idle) right_hand_side(first + row) += kProximal / stiffest * q_(force + row);
             for (const auto side : JointEquations::kSides) {
                 const int body = joint.bodies()[side];
                 if (body < 0) continue;

@@ -32,9 +32,10 @@ public:
     void recall();
 
     /// Adds equations and forces of all joints under a share of what motors do. held: how stiffly bodies are held at their
-    /// centres of mass at most [N/m]. Both by row. `at` is changed during the call
-    /// and restored.
-    void add(std::vector<BodyState>& at, double factor, const std::vector<double>& held, Triplets& entries,
+    /// centres of mass at most [N/m]. Both by row. shares_anew: what redundant joints share is the least that balances, not
+    /// the least change; joints then stay open by what the proximal term makes of their forces. `at` is changed during the
+    /// call and restored.
+    void add(std::vector<BodyState>& at, double factor, const std::vector<double>& held, bool shares_anew, Triplets& entries,
              Eigen::VectorXd& right_hand_side) const;
     /// Work of the forces of the joints after a solution, row by row: work(w).
     template <class Work>

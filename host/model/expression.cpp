@@ -162,6 +162,7 @@ void Expression::compile(std::string_view text, const Constants& constants, cons
     mu::Parser& parser = compiled_->parser;
     try {
         parser.ClearConst();
+        parser.EnableOptimizer(false);  // where it works out constants, "&&" and "||" take 0.5 for 0
         std::string name_characters = std::string(parser.ValidNameChars()) + '.';
         for (int byte = 0x80; byte <= 0xff; ++byte) name_characters += static_cast<char>(byte);
         parser.DefineNameChars(name_characters.c_str());

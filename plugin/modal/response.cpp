@@ -219,8 +219,8 @@ void HarmonicSolver::factor_matrix(const Sparse& matrix) {
 void HarmonicSolver::add_supports(const Response& response, Eigen::VectorXcd& r) const {
     const FrequencyModel& model = D_.model();
     Eigen::Index row = 6 * D_.frame_count();
-    // across: force on `from` by the motion of `to`
-    const auto add = [&](const Joined& at, int held_node, const ComplexBlock& across) {
+    // across: force on `from` by the motion of `to`; turning: of forces at rest, on one by the motion of the other
+    const auto add = [&](const Joined& at, int held_node, const ComplexBlock& across, const EndBlocks* turning) {
         const bool is_to = at.to < 0;
         const Complex6 ground =
             at.from < 0 || at.to < 0 ? ground_at(model, at, held_node, is_to, response) : Complex6(Complex6::Zero());
@@ -228,12 +228,15 @@ void HarmonicSolver::add_supports(const Response& response, Eigen::VectorXcd& r)
             r.segment<6>(6 * at.from) -= complex(at.by_from.transpose()) * across * complex(at.by_to) * ground;
         if (at.to >= 0 && !is_to && at.from < 0)
             r.segment<6>(6 * at.to) -= complex(at.by_to.transpose()) * across.transpose() * complex(at.by_from) * ground;
+        if (turning && at.from >= 0 && is_to) r.segment<6>(6 * at.from) -= complex(turning->at[0][1]) * ground;
+        if (turning && at.to >= 0 && at.from < 0) r.segment<6>(6 * at.to) -= complex(turning->at[1][0]) * ground;
         for (const Rigid& rigid : at.rigid) r(row++) -= rigid.by_ground.cast<Complex>().dot(ground);
     };
-    for (const Bond& bond : model.bonds) add(bond, bond.held_node, -stiffness_of(bond, omega_));
+    for (const Bond& bond : model.bonds) add(bond, bond.held_node, -stiffness_of(bond, omega_), bond.turning.get());
     for (const DynamicStiffness::Piece& piece : D_.pieces())
-        add(piece, -1, waves_[D_.line(piece).kind]->topRightCorner<6, 6>());
-    for (const Pin& pin : model.pins) add(pin, -1, Complex(-omega_ * omega_, mass_rate_ * omega_) / 6.0 * complex(pin.mass));
+        add(piece, -1, waves_[D_.line(piece).kind]->topRightCorner<6, 6>(), nullptr);
+    for (const Pin& pin : model.pins)
+        add(pin, -1, Complex(-omega_ * omega_, mass_rate_ * omega_) / 6.0 * complex(pin.mass), nullptr);
     if (!of_modes_) return;
     for (const std::vector<Complex6>& followed : of_modes_->followed) {
         for (size_t n = 0; n < followed.size(); ++n)

@@ -137,11 +137,22 @@ void RestingParts::add_joint(const Joint& joint, const AtRest::Link& link, Ends 
         bond.hold(rows[0].row(d).transpose(), rows[1].row(d).transpose());
     });
     bond.spread = spread_tangent(placed, link.force, link.rigid);
-    const EndBlocks turning = turning_stiffness(placed, link.force, link.rigid, bond.spread);
-    EndBlocks both_ways;
-    for (int i : {0, 1})
-        for (int k : {0, 1}) both_ways.at[i][k] = 0.5 * (turning.at[i][k] + turning.at[k][i].transpose());
-    bond.turning = std::make_shared<const EndBlocks>(both_ways);
+    EndBlocks turning = turning_stiffness(placed, link.force, link.rigid, bond.spread);
+    // The rest balances on a frame that moves by itself: what is not symmetric adds up to nothing. A support moves as it is
+    // told; like all that is ground, by its motion at the origin of the world
+    const bool is_ground[2] = {from < 0, to < 0};
+    for (int k : {0, 1}) {
+        if (!is_ground[k]) continue;
+        const Vector3 origin = k == 0 ? placed.at.from.origin() : placed.at.to.origin();
+        turning.at[1 - k][k] *= FrequencyModel::at_point(origin, Vector3::Zero());
+    }
+    if (!is_ground[0] && !is_ground[1]) {
+        const Matrix6 across = 0.5 * (turning.at[0][1] + turning.at[1][0].transpose());
+        turning.at[0][1] = across;
+        turning.at[1][0] = across.transpose();
+    }
+    for (int i : {0, 1}) turning.at[i][i] = (0.5 * (turning.at[i][i] + turning.at[i][i].transpose())).eval();
+    bond.turning = std::make_shared<const EndBlocks>(turning);
     bond.turned = joint.turns() ? Vector3(x.tail<3>()) : rotation_vector(joint.attitude(placed.at.from, placed.at.to));
     model_.bonds.push_back(std::move(bond));
 }

@@ -693,6 +693,90 @@ rotational_damping = 6
         }
 }
 
+/// A body on a bent beam, on a rope and on a spring, all of them strained at rest, whose supports move together as one rigid
+/// body would: by u and by θ about the origin, slowly.
+std::string strained_machine(const std::string& gravity, const Eigen::Vector3d& u, const Eigen::Vector3d& theta) {
+    const auto motion = [&](const Eigen::Vector3d& place) {
+        const Eigen::Vector3d shift = u + theta.cross(place);
+        std::string list;
+        for (Eigen::Index i = 0; i < 3; ++i)
+            for (const auto& [axis, size] : {std::pair("", shift(i)), {"r", theta(i)}})
+                list += fmt::format("{}{}{} = {{ type = \"harmonic\", amplitude = {:.17g} }}", list.empty() ? "" : ", ",
+                                    axis, "xyz"[i], size);
+        return "motion = { " + list + " }";
+    };
+    const auto node = [&](const char* name, const Eigen::Vector3d& at, const char* turn) {
+        return fmt::format(
+            "{} = {{ position = [{}, {}, {}], {} fixed = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"], {} }}\n", name,
+            at.x(), at.y(), at.z(), turn, motion(at));
+    };
+    return fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = {}
+[nodes]
+{}{}{}
+[[body]]
+name = "b"
+mass = 2
+inertia = [0.02, 0.03, 0.025]
+position = [0.5, 0.1, -0.2]
+markers = {{ m = [0.1, 0, 0.05] }}
+[[element]]
+name = "beam"
+type = "beam"
+from = "root"
+to = "b"
+segments = 5
+section = {{ EA = 1e5, EIy = 30, EIz = 60, GJ = 20, GAy = 1e5, GAz = 1e5, mass = 0.1, inertia = 1e-4 }}
+[[element]]
+name = "rope"
+type = "axial_spring"
+from = "top"
+to = "b.m"
+stiffness = 3e4
+preload = 80
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "side"
+to = "b.m"
+stiffness = [700, 400, 900]
+rotational_stiffness = [3, 5, 4]
+)",
+                       gravity, node("root", {0.1, -0.2, 0}, ""), node("top", {0.4, 0.3, 0.7}, ""),
+                       node("side", {0.6, 0.1, -0.15}, "rotation = { axis = [1, 2, -1], angle = 0.7 },"));
+}
+
+// Oracle: the machine moves as its supports do, and nothing is strained by it: the forces that it has at rest go along with
+// the supports. By gravity that holds for shifts only.
+TEST_F(SteadyVibration, AStrainedMachineGoesAlongWithItsSupports) {
+    for (const auto& [gravity, u, theta] :
+         {std::tuple("[0, 0, 0]", Eigen::Vector3d(1e-4, -2e-4, 3e-4), Eigen::Vector3d(4e-4, 1e-4, -2e-4)),
+          std::tuple("[3, -2, -9]", Eigen::Vector3d(-3e-4, 1e-4, 2e-4), Eigen::Vector3d(0, 0, 0))})
+        for (const char* beams : {"exact", "lumped"}) {
+            const std::string text = strained_machine(gravity, u, theta);
+            const Table table = response(text, {"--from", "1e-4 Hz", "--to", "1.1e-4 Hz", "--points", "2", "--about",
+                                                "equilibrium", "--beams", beams, "-q"});
+            ASSERT_EQ(table.rows.size(), 2u);
+            write_text(folder_ / "model.toml", text);
+            ASSERT_EQ(run_dttmm(folder_.path(), {"static", "model.toml", "-q", "-o", "rest"}).code, 0);
+            const ResultsTable rest = read_table(folder_ / "rest/static.csv");
+            const Eigen::Vector3d place(rest.value(0, "b.position.x"), rest.value(0, "b.position.y"),
+                                        rest.value(0, "b.position.z"));
+            const Eigen::Vector3d shift = u + theta.cross(place);
+            const double bound = std::string(beams) == "exact" ? 1e-6 : 1e-8;  // an exact beam counts as straight
+            for (Eigen::Index i = 0; i < 3; ++i) {
+                const std::string axis = fmt::format(".{}", "xyz"[i]);
+                EXPECT_LT(std::abs(table.amplitude(0, "b.position" + axis) - shift(i)), bound * shift.norm()) << beams;
+                for (const char* channel : {"beam.force", "beam.moment", "rope.force", "spring.force", "spring.moment"}) {
+                    const std::string name = channel + axis;
+                    if (std::ranges::find(table.names, name + ".re") == table.names.end()) continue;
+                    EXPECT_LT(std::abs(table.amplitude(0, name)), 100 * bound) << name << ", " << beams;
+                }
+            }
+        }
+}
+
 // Oracle: the loads' absence and their cure.
 TEST_F(SteadyVibration, WrongQuestionsAreRefused) {
     const std::string harmonic = kMassOnSpring + "harmonic = { amplitude = \"1 N\" }\n",

@@ -34,6 +34,14 @@ TEST(Expression, FollowsTheUsualRules) {
 }
 
 // Oracle: the formula in C++; the same operations on the same numbers.
+// Oracle: what is not zero is true, as for "?".
+TEST(Expression, PartsOfOneAreTrue) {
+    const Constants constants = {{"gap", 1e-3}, {"none", 0.0}};
+    for (const char* yes : {"0.5 && 1", "gap || 0", "-0.7 || none", "2 && gap", "gap && gap > 0 ? 1 : 0", "0.5 ? 1 : 0"})
+        EXPECT_EQ(evaluate_expression(yes, constants), 1) << yes;
+    for (const char* no : {"gap && none", "none || 0", "1 && 0"}) EXPECT_EQ(evaluate_expression(no, constants), 0) << no;
+}
+
 TEST(Expression, TimeIsAVariable) {
     const Expression expression("k*sin(2*pi*50*t)", kConstants, "t");
     for (const double t : {0.0, 0.0013, 0.7})

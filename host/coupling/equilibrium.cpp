@@ -107,6 +107,12 @@ std::string Equilibrium::describe(const RestingJoints::Opening& open) const {
                        open.is_length ? "m" : "rad");
 }
 
+double Equilibrium::heaviest() const {
+    double mass = 0;
+    for (const Inertia& inertia : size_.inertias) mass = std::max(mass, inertia.mass);
+    return mass;
+}
+
 /// Newton's iteration at one share of the load.
 Equilibrium::Attempt Equilibrium::iterate(double factor) {
     std::vector<double> loads;
@@ -132,8 +138,10 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
                 last = std::numeric_limits<double>::infinity();
                 continue;
             }
+            // Where nothing acts, what the least resistance makes of a correction that is rounding is all there is
+            const double nothing = least_resistance_ * heaviest() * kNoCorrection * size_.extent;
             const bool is_small = correction.size <= kNoCorrection * size_.extent &&
-                                  state_.residual <= std::max(16 * noise_, kBalance * strongest_);
+                                  state_.residual <= std::max({16 * noise_, kBalance * strongest_, nothing});
             const bool is_noise = correction.size <= 1e-6 * size_.extent && correction.size >= 0.5 * last &&
                                   state_.residual <= std::max(16 * noise_, 1e-9 * state_.force);
             last = correction.size;

@@ -69,6 +69,7 @@ private:
         double share = 1;     ///< to be taken of it
     };
     std::string describe(const RestingJoints::Opening& open) const;
+    double heaviest() const;
     Attempt iterate(double factor);
     Correction correct(double factor);
     Correction try_resistance(double factor);

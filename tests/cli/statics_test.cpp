@@ -1273,6 +1273,96 @@ force = {}
     }
 }
 
+// Two bodies tied by a slider and a ball, or by one fixed joint. Oracle: they rest alike; what the joints share among each
+// other is no force on the bodies.
+TEST(Statics, RedundantJointsRestLikeOne) {
+    const auto tied = [](const std::string& joints) {
+        return rest_of(R"(format = "dttmm/1"
+[simulation]
+gravity = [11.7, -3.3, 2]
+[nodes]
+ax = { position = [0.293, 1.67, -2.804], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+[[body]]
+name = "b0"
+mass = 4.674
+inertia = { xx = 1.003, yy = 0.793, zz = 0.414, xy = 0.112, xz = 0.158, yz = -0.091 }
+position = [0.192, -0.408, 0.889]
+markers = { m = [0.263, 0.04, 0.234] }
+[[body]]
+name = "b1"
+mass = 9.97
+inertia = { xx = 0.952, yy = 1.307, zz = 1.532, xy = 0.538, xz = -0.099, yz = -0.202 }
+position = [-1.193, 0.295, -2.271]
+markers = { m = [0.493, 0.269, -0.197] }
+[[element]]
+name = "s"
+type = "spring_damper"
+from = "ground"
+to = "b0.m"
+stiffness = [1109, 2497, 1588]
+[[element]]
+name = "as"
+type = "axial_spring"
+from = "ax"
+to = "b1.m"
+stiffness = 920
+preload = 100
+)" + joints);
+    };
+    const AtRest two = tied(R"([[joint]]
+name = "j1"
+type = "slider"
+between = ["b0", "b1"]
+anchor = [0.156, 0.872, -0.188]
+axis = [-0.587, 0.678, -0.443]
+[[joint]]
+name = "j2"
+type = "ball"
+between = ["b0", "b1"]
+anchor = [0.731, -0.455, 1.509]
+)"),
+                 one = tied(R"([[joint]]
+name = "j1"
+type = "fixed"
+between = ["b0", "b1"]
+anchor = [0.156, 0.872, -0.188]
+)");
+    EXPECT_LT(two.summary["largest_unbalanced_force_n"].get<double>(), 1e-9);
+    EXPECT_LT(one.summary["largest_unbalanced_force_n"].get<double>(), 1e-9);
+    for (const char* name : {"s.force.x", "s.force.y", "s.force.z", "b1.position.x", "b0.position.z"})
+        EXPECT_NEAR(two.row.at(name), one.row.at(name), 1e-8) << name;
+}
+
+// A body that a joint leaves free and that nothing pulls rests as it is assembled, however it is turned: rounding of its
+// joint against no force at all is nothing.
+TEST(Statics, AFreeBodyOnAJointRestsAsItIs) {
+    for (const char* type : {"hinge", "slider", "ball"})
+        for (int n = 0; n < 6; ++n) {
+            const double a = 0.7 * n;
+            const Eigen::Vector3d axis(std::cos(a), std::sin(a) * std::cos(2 * a), std::sin(a) * std::sin(2 * a));
+            const AtRest rest = rest_of(fmt::format(
+                R"(format = "dttmm/1"
+[[body]]
+name = "b"
+mass = 1.3
+inertia = [0.1, 0.1, 0.1]
+position = [0.942, -1.397, -0.68]
+rotation = {{ axis = [1, {}, 2], angle = {} }}
+[[joint]]
+name = "j"
+type = "{}"
+between = ["ground", "b"]
+anchor = [-0.831, -1.309, 0.194]
+{}
+)",
+                n, 0.4 + a, type,
+                type == std::string("ball")
+                    ? std::string()
+                    : fmt::format("axis = [{:.17g}, {:.17g}, {:.17g}]", axis.x(), axis.y(), axis.z())));
+            EXPECT_NEAR(rest.row.at("b.position.x"), 0.942, 1e-14) << type << n;
+        }
+}
+
 /// The least uncertainty told is 1e-9; factors are looked for up to 1e9.
 TEST(Statics, CriticalLoadsAreFoundUpToABillionTimesTheForces) {
     EXPECT_NEAR(BarOnAFoot().find(1).summary["critical_load_uncertainties"][0].get<double>(), 1e-9, 1e-12);

@@ -203,7 +203,8 @@ void print_units() {
         rows.push_back({units.front(), fmt::format("{}", fmt::join(units.begin() + 1, units.end(), ", ")), "", ""});
     print_rows(rows);
     fmt::print(
-        "\nAn angular speed is in rad/s: \"3000 rpm\" is 314.16 rad/s. 1/min is a frequency: \"3000 1/min\" is 50 Hz.\n");
+        "\nAn angular speed is in rad/s: \"3000 rpm\" is 314.16 rad/s. 1/min is a frequency: \"3000 1/min\" is 50 Hz,\nand "
+        "no angular speed.\n");
 }
 
 void print_expressions() {

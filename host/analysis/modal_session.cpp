@@ -164,15 +164,14 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
 void warn_unbalanced(const RestState& rest, const std::string& place, Warnings& warnings) {
     constexpr double kShown = 1e-6;
     if (rest.unbalanced() <= kShown) return;
-    warnings.add("unbalanced",
-                 fmt::format("{}at rest the forces balance to {:.2g} N only, and the largest is {:.4g} N: rounding of "
-                             "places by the stiffest parts hides the rest. Forces and what follows from them are known "
-                             "no better; larger loads, or rigid parts for the stiffest, are",
-                             place, rest.residual, rest.force));
+    warnings.add(
+        "unbalanced",
+        fmt::format("{}at rest the forces balance to {:.2g} N only, and the largest is {:.4g} N. Rounding of places "
+                    "makes such forces in the stiffest parts. Forces, and what follows from them, are known no "
+                    "better. Larger loads help, or rigid parts in place of the stiffest",
+                    place, rest.residual, rest.force));
 }
 
-/// Gravity and lasting loads change the frequencies of what they tension or press: an inverted pendulum on a spring may have
-/// 41 % less.
 void note_damping(const Model& model, Warnings& warnings) {
     const DampingSettings& damping = model.damping;
     if (!damping.ratios.empty() && !damping.is_of_all)

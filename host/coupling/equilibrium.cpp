@@ -25,8 +25,9 @@ constexpr int kMostIterations = 1000;
 constexpr double kLostExtents = 1e6;
 /// Of the extent of the machine: smaller corrections are rounding.
 constexpr double kNoCorrection = 1e-13;
-/// Of the extent of the machine: as long as corrections are larger, redundant joints close each other's openings of the
-/// second order by forces of 1e10 times the stiffness, which stay; they are found anew therefore.
+/// Of the extent of the machine. A correction leaves joints open by its square. Redundant joints disagree about that, and
+/// their forces against each other are 1e10 times the stiffness times the disagreement. Such forces would stay. While
+/// corrections are larger than this, forces of joints are therefore the least that balance, not the least change.
 constexpr double kAnew = 1e-8;
 /// Of the largest force, those of joints included: without it a small correction only says that the resistance is large.
 constexpr double kBalance = 1e-6;
@@ -120,7 +121,7 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
     networks_.set_static_loads(factor * model_.simulation.gravity, loads.data());
     resistance_ = least_resistance_;
     farthest_ = size_.span;
-    shares_anew_ = true;
+    shares_anew_ = !joints_.equations().empty();
     Attempt attempt;
     double last = std::numeric_limits<double>::infinity();
     for (int i = 0; i < kMostIterations; ++i) {
@@ -145,7 +146,7 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
             const bool is_noise = correction.size <= 1e-6 * size_.extent && correction.size >= 0.5 * last &&
                                   state_.residual <= std::max(16 * noise_, 1e-9 * state_.force);
             last = correction.size;
-            if (std::exchange(shares_anew_, correction.size > kAnew * size_.extent)) continue;
+            if (std::exchange(shares_anew_, shares_anew_ && !is_noise && correction.size > kAnew * size_.extent)) continue;
             if (!is_small && !is_noise) continue;
             attempt.open = joints_.widest_opening(state_.at, factor, size_.span);
             if (attempt.open.share > kContradiction) return attempt;

@@ -259,7 +259,8 @@ double per_cent(const LocalSensitivity& local, Eigen::Index f, Eigen::Index p) {
 /// Whether another extreme, with another slope, is the largest after a small change of the parameter.
 bool has_competing(const LocalSensitivity& local, Eigen::Index f, Eigen::Index p) {
     if (local.competing.size() == 0 || local.reach(f, p) > kSmallChange) return false;
-    return std::abs(local.competing(f, p) - local.slopes(f, p)) > kUncertain * local.slopes.row(f).cwiseAbs().maxCoeff();
+    const double apart = std::abs(local.competing(f, p) - local.slopes(f, p));
+    return apart > kUncertain * local.slopes.row(f).cwiseAbs().maxCoeff() && apart > local.errors(f, p);
 }
 
 /// How the derivatives were found; why not directly, where that was wanted.
@@ -325,11 +326,13 @@ void write_tables(const ResultsFolder& folder, const Request& request, const Fig
             by[name] = {{"percent_per_percent", number(per_cent(local, f, p))},
                         {"per_logarithm", number(local.slopes(f, p))},
                         {"error", number(local.errors(f, p))}};
-            if (has_competing(local, f, p))
-                by[name]["competing"] = {{function.command() == "run" ? "time" : "frequency_hz",
-                                          local.competing_at.size() > 0 ? number(local.competing_at(f)) : Json()},
-                                         {"change_of_logarithm", local.reach(f, p)},
+            if (has_competing(local, f, p)) {
+                by[name]["competing"] = {{"change_of_logarithm", local.reach(f, p)},
                                          {"per_logarithm", number(local.competing(f, p))}};
+                if (local.competing_at.size() > 0)
+                    by[name]["competing"][function.command() == "run" ? "time" : "frequency_hz"] =
+                        number(local.competing_at(f));
+            }
         }
         Json one = {{"figure", figure.name}, {"unit", figure.unit}, {"value", number(local.figures(f))}, {"by", by}};
         if (scatter)

@@ -59,19 +59,21 @@ Top top_of(ResponseCurves& curves, const CurveAt& place, double step) {
     return {(above - below) / (2 * step), (above - 2 * middle + below) / (step * step)};
 }
 
-/// Moves the place to where the curve is largest; the error of its place has no bound where it is not found. A slope at a
-/// fixed frequency is that of a peak only there: within a resonance of quality Q it changes by some Q times what the place
-/// is off by, as share of the peak's width.
+/// Moves a place to where the curve is largest and returns true. A slope at a fixed frequency is that of a peak only there:
+/// within a resonance of quality Q it changes by some Q times what the place is off by, as share of the peak's width. Where
+/// no peak is found the place stays, and its error has no bound.
 bool finds_peak(ResponseCurves& curves, CurveAt& place) {
     constexpr double kFirstStep = 1e-4, kFlat = 1e-6;  // of the frequency: flat curves have no place that matters
     constexpr double kOfWidth = 0.01;                  // steps, of half the width at 0.7 of the peak
     constexpr double kEnough = 1e-7;                   // of a step
     constexpr int kMostPasses = 20;
     const double x = place.at.speed.value_or(place.at.frequency);
+    const auto size = [&](const CurveAt& at) { return std::abs(curves.evaluate(at.at)[at.curve]); };
     place.error = std::numeric_limits<double>::infinity();
+    CurveAt found = place;
     double step = kFirstStep * x;
     for (int pass = 0; pass < kMostPasses; ++pass) {
-        const Top wide = top_of(curves, place, step);
+        const Top wide = top_of(curves, found, step);
         if (pass == 0 && std::abs(wide.curvature) * x * x < kFlat && std::abs(wide.slope) * x < kFlat) {
             place.error = 1;
             place.shift = step;
@@ -82,13 +84,16 @@ bool finds_peak(ResponseCurves& curves, CurveAt& place) {
             step = wide.curvature < 0 ? kOfWidth * width : step / 4;
             continue;
         }
-        const Top narrow = top_of(curves, place, step / 2);
-        const double by = narrow.away() + (narrow.away() - wide.away()) / 3, last = place.error;
+        const Top narrow = top_of(curves, found, step / 2);
+        const double by = narrow.away() + (narrow.away() - wide.away()) / 3, last = found.error;
         if (!(std::abs(by) < width)) return false;
-        place = shifted(place, by);
-        place.shift = step;
-        place.error = std::max(kEnough, std::abs(by) / step);
-        if (place.error == kEnough || place.error > last / 2) return true;
+        found = shifted(found, by);
+        found.shift = step;
+        found.error = std::max(kEnough, std::abs(by) / step);
+        if (found.error > kEnough && found.error <= last / 2) continue;
+        if (!(size(found) >= (1 - 1e-9) * size(place))) return false;
+        place = found;
+        return true;
     }
     return false;
 }
@@ -117,13 +122,21 @@ void refuse_moving_loads(const Excitation& middle, const Excitation& other, cons
         throw Error(ExitCode::usage, "the frequency of a load changes with a parameter");
 }
 
-/// Slopes of the magnitudes by ln of one parameter and their bends, as SmallChanges has them.
+/// Slopes of the magnitudes by ln of one parameter and their bends, as SmallChanges has them. The places beside peaks have
+/// theirs at the smallest share only, behind the others.
 std::vector<double> slopes_of_amplitudes(const FigureFunction& function, ResponseMachine& middle, double highest,
-                                         const std::vector<CurveAt>& places, Eigen::Index parameter) {
+                                         const std::vector<CurveAt>& figures, const std::vector<CurveAt>& beside,
+                                         Eigen::Index parameter) {
     Warnings silent(Warnings::Silent::yes);
+    std::vector<CurveAt> places = figures;
+    places.insert(places.end(), beside.begin(), beside.end());
     const std::vector<Complex> H = amplitudes(middle, places);
     std::vector<double> slopes;
     for (const double change : SmallChanges::kShares) {
+        if (change != SmallChanges::kShares.back())
+            places.resize(figures.size());
+        else
+            places.insert(places.end(), beside.begin(), beside.end());
         std::vector<std::vector<Complex>> sides;
         for (const double sign : {1.0, -1.0}) {
             const Request request = function.request_with(parameter, 1 + sign * change);
@@ -180,17 +193,23 @@ bool differentiate_responses(const FigureFunction& function, int jobs, LocalSens
     middle.session.machine.damp(findings.highest);
     std::erase_if(places, [&](CurveAt& place) { return drops(middle.curves, place); });
     const size_t count = places.size();
-    for (size_t c = 0; c < count; ++c) places.push_back(shifted(places[c], places[c].shift));
+    std::vector<CurveAt> beside;
+    std::vector<size_t> beside_of(count);  // where in `beside`; only of peaks with a shift
+    for (size_t c = 0; c < count; ++c) {
+        beside_of[c] = beside.size();
+        if (places[c].shift > 0) beside.push_back(shifted(places[c], places[c].shift));
+    }
     const auto parameters = as_size(function.nominal().size());
     const std::vector<TaskResult> results = map_in_processes(parameters, jobs, [&](size_t p) {
-        return slopes_of_amplitudes(function, middle, findings.highest, places, as_row(p));
+        return slopes_of_amplitudes(function, middle, findings.highest, places, beside, as_row(p));
     });
     reason = first_reason(results);
     if (!reason.empty()) return false;
-    const auto [slopes, errors] = SmallChanges(results, places.size());
+    const auto [slopes, errors] = SmallChanges(results, count);
+    constexpr size_t kLast = SmallChanges::kShares.size() - 1;
     found.competing_at.setZero(found.figures.size());
     for (size_t c = 0; c < count; ++c) {
-        const Eigen::Index f = places[c].figure, at = as_row(c), beside = as_row(count + c);
+        const Eigen::Index f = places[c].figure, at = as_row(c);
         const double size = std::abs(amplitudes(middle, {places[c]}).front());
         if (places[c].is_next) {
             const Eigen::RowVectorXd nearer = slopes.row(at) - found.slopes.row(f);
@@ -202,10 +221,13 @@ bool differentiate_responses(const FigureFunction& function, int jobs, LocalSens
         found.figures(f) = size;
         found.slopes.row(f) = slopes.row(at);
         found.errors.row(f) = errors.row(at);
-        if (std::isinf(places[c].error))
-            found.errors.row(f).setConstant(places[c].error);
-        else
-            found.errors.row(f) += places[c].error * (slopes.row(beside) - slopes.row(at)).cwiseAbs();
+        if (std::isinf(places[c].error)) found.errors.row(f).setConstant(places[c].error);
+        if (!(places[c].shift > 0)) continue;
+        for (size_t p = 0; p < parameters; ++p) {
+            const std::vector<double>& numbers = results[p].numbers;
+            const double change = numbers[2 * ((kLast + 1) * count + beside_of[c])] - numbers[2 * (kLast * count + c)];
+            found.errors(f, as_row(p)) += places[c].error * std::abs(change);
+        }
     }
     return true;
 }

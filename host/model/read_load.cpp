@@ -184,7 +184,7 @@ std::vector<Load> read_unbalance(const TableReader& table, const TomlMember& mag
     HarmonicSignal::Numbers numbers;
     numbers.formula = std::make_shared<const Expression>(fmt::format("({:.17g})*{}^2", *size, kSpeed), constants, kSpeed);
     numbers.order = 1;
-    if (const auto speed = constants.find(kSpeed); speed != constants.end()) numbers.speed = speed->second;
+    if (!read_speed(table, magnitude.place, numbers)) return {};
     std::vector<Load> loads;
     for (const int part : {0, 1}) {
         Load load = about;

@@ -168,9 +168,7 @@ std::optional<Signal> read_harmonic(const TableReader& table) {
         table.error(table.find("order")->place, "order and frequency exclude each other");
         return std::nullopt;
     }
-    if (const auto found = table.context().parameters.constants().find(kSpeed);
-        found != table.context().parameters.constants().end())
-        numbers.speed = found->second;
+    if (!read_speed(table, table.find(numbers.order ? "order" : "amplitude")->place, numbers)) return std::nullopt;
     numbers.phase = *phase;
     return make_signal<HarmonicSignal>(numbers);
 }
@@ -325,6 +323,21 @@ std::optional<Signal> read_signal(const ReadContext& context, const TomlValue& v
     if (value.is_table()) return read_shape(context, value, what, unit);
     if (value.is_text() && value.string.starts_with("=")) return read_expression(context, value, what, unit);
     return read_constant(context, value, what, unit);
+}
+
+bool read_speed(const TableReader& table, Place place, HarmonicSignal::Numbers& numbers) {
+    const Parameters& parameters = table.context().parameters;
+    const auto found = parameters.constants().find(kSpeed);
+    if (found == parameters.constants().end()) return true;
+    numbers.speed = found->second;
+    if (!numbers.order && !numbers.formula) return true;
+    try {
+        parameters.check_unit(kSpeed, "rad/s");
+    } catch (const Error& error) {
+        table.error(place, fmt::format("the speed: {}", error.what()));
+        return false;
+    }
+    return true;
 }
 
 }  // namespace dttmm::host

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "model/signal.h"
+#include "model/signal_shapes.h"
 #include "model/table_reader.h"
 
 namespace dttmm::host {
@@ -20,5 +21,8 @@ std::optional<Signal> read_vibration(const TableReader& table, bool is_random);
 
 /// The name of the speed of orders, a parameter [rad/s].
 inline constexpr const char* kSpeed = "Omega";
+/// Gives it to a vibration whose frequency or amplitude rests on it, if the model has it. False, with an error at `place`:
+/// it is no angular speed.
+bool read_speed(const TableReader& table, Place place, HarmonicSignal::Numbers& numbers);
 
 }  // namespace dttmm::host

@@ -194,7 +194,11 @@ std::string si_text(const Unit& unit) {
 
 std::string accepted_text(std::string_view wanted) { return listed(accepted_units(wanted)); }
 
-bool is_cycles(std::string_view unit) { return unit.find("Hz") != unit.npos || unit.find("hertz") != unit.npos; }
+/// Hertz, or so many per minute or hour: turns or cycles, not radians.
+bool is_cycles(std::string_view text, const Unit& unit) {
+    const bool is_per_long = unit.scale < 1 && unit.powers == std::map<std::string, int>{{"s", -1}};
+    return is_per_long || text.find("Hz") != text.npos || text.find("hertz") != text.npos;
+}
 
 std::string_view trimmed(std::string_view text) {
     constexpr const char* kBlanks = " \t\r\n";
@@ -249,7 +253,7 @@ Quantity parse_quantity(std::string_view text) {
     const auto [number, unit_text] = split_quantity(text);
     if (unit_text.empty()) return {number, "1"};
     const Unit unit = read_unit(unit_text, text);
-    return {checked_value(number, unit, text), is_cycles(unit_text) ? "Hz" : si_text(unit)};
+    return {checked_value(number, unit, text), is_cycles(unit_text, unit) ? "Hz" : si_text(unit)};
 }
 
 double parse_quantity(std::string_view text, std::string_view wanted) {
@@ -268,7 +272,7 @@ bool measures(std::string_view unit, std::string_view wanted) {
     const auto asked = parse_unit(wanted);
     if (!given || !asked || dimension(*given) != dimension(*asked)) return false;
     if (radians(*given) == radians(*asked)) return true;
-    return radians(*given) == 0 && !is_cycles(unit);
+    return radians(*given) == 0 && !is_cycles(unit, *given);
 }
 
 const std::vector<std::vector<std::string>>& usual_units() {

@@ -27,7 +27,7 @@ double parse_quantity(std::string_view text, std::string_view wanted);
 std::string unit_text(std::string_view text);
 
 /// Whether a value in `unit` may stand where `wanted` is asked for. The radian counts: "N*m" may stand for "N*m/rad" and
-/// "1/s" for "rad/s", but "rad/s" not for "Hz", nor "Hz" for "rad/s", between which 2 pi would be lost.
+/// "1/s" for "rad/s", but "rad/s" not for "Hz", nor "Hz" or "1/min" for "rad/s", between which 2 pi would be lost.
 bool measures(std::string_view unit, std::string_view wanted);
 
 /// Usual units by dimension, the SI unit of each row first. Of rows of one dimension the first names it.

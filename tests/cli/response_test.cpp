@@ -787,6 +787,11 @@ TEST_F(SteadyVibration, WrongQuestionsAreRefused) {
     EXPECT_THAT(fault(order, {"--rpm", "8oo..900"}, 2), HasSubstr("--rpm"));
     EXPECT_THAT(fault(order, {"--rpm", "800..900", "--order", "3"}, 2), HasSubstr("no load has this order; they have 2"));
     EXPECT_THAT(fault(order, {"--order", "2"}, 2), HasSubstr("of which speed"));
+    for (const char* speed : {"300 1/min", "5 Hz", "4 mm"}) {
+        std::string wrong = order;
+        wrong.replace(wrong.find("300 rpm"), 7, speed);
+        EXPECT_THAT(fault(wrong, {"--from", "1 Hz", "--to", "2 Hz"}), HasSubstr("the speed: expected a value in rad/s"));
+    }
     EXPECT_THAT(fault(harmonic, {"--out", "m"}, 2), HasSubstr("which frequencies?"));
     EXPECT_THAT(fault(harmonic, {"--from", "3Hz"}, 2), HasSubstr("--from and --to go together"));
     EXPECT_THAT(fault(kMassOnSpring + "force = 3\n", {"--from", "1Hz", "--to", "2Hz"}), HasSubstr("nothing vibrates"));

@@ -33,7 +33,6 @@ TEST(Expression, FollowsTheUsualRules) {
     EXPECT_EQ(value_of("cos(pi)"), -1);
 }
 
-// Oracle: the formula in C++; the same operations on the same numbers.
 // Oracle: what is not zero is true, as for "?".
 TEST(Expression, PartsOfOneAreTrue) {
     const Constants constants = {{"gap", 1e-3}, {"none", 0.0}};
@@ -42,6 +41,7 @@ TEST(Expression, PartsOfOneAreTrue) {
     for (const char* no : {"gap && none", "none || 0", "1 && 0"}) EXPECT_EQ(evaluate_expression(no, constants), 0) << no;
 }
 
+// Oracle: the formula in C++; the same operations on the same numbers.
 TEST(Expression, TimeIsAVariable) {
     const Expression expression("k*sin(2*pi*50*t)", kConstants, "t");
     for (const double t : {0.0, 0.0013, 0.7})

@@ -9,6 +9,7 @@
 namespace dttmm::host {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 std::string unit_fault(const std::string& text, const std::string& wanted) {
@@ -103,6 +104,9 @@ TEST(Units, CyclesAndRadiansAreKeptApart) {
     EXPECT_THAT(unit_fault("50 Hz", "rad/s"), HasSubstr("expected a value in rad/s"));
     EXPECT_THAT(unit_fault("314 rad/s", "Hz"), HasSubstr("expected a value in Hz"));
     EXPECT_THAT(unit_fault("3000 rpm", "Hz"), HasSubstr("expected a value in Hz"));
+    EXPECT_THAT(unit_fault("3000 1/min", "rad/s"), AllOf(HasSubstr("expected a value in rad/s"), HasSubstr("rpm")));
+    EXPECT_EQ(parse_quantity("3000 1/min", "Hz"), 50.0);
+    EXPECT_EQ(parse_quantity("3000 1/min").unit, "Hz");
     EXPECT_EQ(parse_quantity("314 1/s", "rad/s"), 314.0);
     EXPECT_FALSE(measures("Hz", "rad/s"));
     EXPECT_TRUE(measures("N*m", "N*m/rad"));

@@ -137,11 +137,12 @@ TEST_F(Identify, IntervalsHoldASecondSolutionNearBy) {
                                f2, noise * f2));
         const Ended ended = identify({"--measured", "data.csv", "--free", "k1,k2"});
         ASSERT_EQ(ended.code, 0) << ended.err;
-        for (const auto& solution : found()["solutions"])
+        const nlohmann::json json = found();
+        for (const auto& solution : json["solutions"])
             for (const char* end : {"low", "high"})
                 EXPECT_NEAR(profile(solution["parameters"]["k1"][end].get<double>()) / 3.8415, 1, 0.12)
                     << apart << " " << end;
-        EXPECT_EQ(covers(found(), "k1", k1) && covers(found(), "k1", 2e4), apart < 1.3) << apart;
+        EXPECT_EQ(covers(json, "k1", k1) && covers(json, "k1", 2e4), apart < 1.3) << apart;
     }
 }
 

@@ -14,7 +14,7 @@ namespace dttmm::host {
 /// Notes what of the model is not in its natural frequencies: gravity and lasting loads.
 void warn_preload(const Model& model, Warnings& warnings);
 
-/// Warns where the forces of a machine at rest balance worse than results have digits. place: where its case is told.
+/// Warns where the forces of a machine at rest balance worse than results have digits. place: its case, before the text.
 void warn_unbalanced(const RestState& rest, const std::string& place, Warnings& warnings);
 
 /// What [damping] does not damp.

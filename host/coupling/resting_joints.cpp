@@ -14,7 +14,8 @@ namespace dttmm::host {
 namespace {
 
 /// Turn of a body in differences of the fourth order [rad]; shifts are as much of the joint's arm. Of the forces,
-/// kJointTurn⁴ = 1e-12 over thirty is neglected and some 2e-16/kJointTurn = 2e-13 is rounding.
+/// kJointTurn⁴ = 1e-12 over thirty is neglected and some 2e-16/kJointTurn = 2e-13 is rounding. Range 5e-4 (at 1e-5
+/// PreloadedModes.ABodyOnABall...) to 1e-2 (at 1e-1 ModesAtRest.APendulum...).
 constexpr double kJointTurn = 1e-3;
 /// f' = Σ weight (f(at h) − f(−at h))/h.
 struct Point {

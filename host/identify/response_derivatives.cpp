@@ -64,9 +64,10 @@ Top top_of(ResponseCurves& curves, const CurveAt& place, double step) {
 /// no peak is found the place stays, and its error has no bound.
 bool finds_peak(ResponseCurves& curves, CurveAt& place) {
     constexpr double kFirstStep = 1e-4, kFlat = 1e-6;  // of the frequency: flat curves have no place that matters
-    constexpr double kOfWidth = 0.01;                  // steps, of half the width at 0.7 of the peak
-    constexpr double kEnough = 1e-7;                   // of a step
-    constexpr int kMostPasses = 20;
+    constexpr double kOfWidth =
+        0.01;  // steps, of half the width at 0.7 of the peak. Range 1e-3 or less to 0.02 (0.1 PeaksMove...)
+    constexpr double kEnough = 1e-7;  // of a step. Range 1e-10 or less to 1e-7 (1e-4 PeaksMove...)
+    constexpr int kMostPasses = 20;   // 5 are enough in the tests, 3 are not
     const double x = place.at.speed.value_or(place.at.frequency);
     const auto size = [&](const CurveAt& at) { return std::abs(curves.evaluate(at.at)[at.curve]); };
     place.error = std::numeric_limits<double>::infinity();

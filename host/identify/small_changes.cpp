@@ -9,8 +9,8 @@
 namespace dttmm::host {
 
 std::pair<double, double> extrapolate(const std::array<SlopeAt, kSlopeLevels>& level) {
-    constexpr double kMeanFalls = 3;    // between two- and fourfold
-    constexpr double kBendFalls = 1.5;  // between once and twofold
+    constexpr double kMeanFalls = 3;    // fourfold of a smooth figure. Range 0.6 (at 0.3 KnowKinksAndJumps...) to 3.9
+    constexpr double kBendFalls = 1.5;  // twofold of a smooth figure. Range 1.1 (at 0.75 KnowKinksAndJumps...) to 1.9
     const double before = std::abs(level[1].mean - level[0].mean), change = std::abs(level[2].mean - level[1].mean);
     const double of_jump = kMeanFalls * change > before ? 2 * change + before : 0,
                  of_kink = kBendFalls * level[2].bend > level[1].bend ? level[2].bend / 2 : 0;

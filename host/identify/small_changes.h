@@ -23,8 +23,9 @@ struct SlopeAt {
 constexpr int kSlopeLevels = 3;  // of extrapolation: what they leave is of sixth order in the distance
 
 /// The slope at the file's value and its error, from distances each half the one before. Of Neville's table of even errors
-/// each entry with the least change from the one before it counts. At a jump or a kink near by no such table holds: there
-/// the mean changes twofold, where a smooth one changes fourfold, or the bend stays, where a smooth one falls by half.
+/// each entry with the least change from the one before it counts. Of a smooth figure the
+/// change of the mean falls to a quarter, and the bend to a half. Beside a jump or a kink no such table holds: the change
+/// grows, or the bend stays.
 std::pair<double, double> extrapolate(const std::array<SlopeAt, kSlopeLevels>& level);
 
 /// Slopes from central differences of what changes smoothly with a parameter, as stiffness and mass do.

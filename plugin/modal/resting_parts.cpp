@@ -138,8 +138,8 @@ void RestingParts::add_joint(const Joint& joint, const AtRest::Link& link, Ends 
     });
     bond.spread = spread_tangent(placed, link.force, link.rigid);
     EndBlocks turning = turning_stiffness(placed, link.force, link.rigid, bond.spread);
-    // The rest balances on a frame that moves by itself: what is not symmetric adds up to nothing. A support moves as it is
-    // told; like all that is ground, by its motion at the origin of the world
+    // The rest balances on a frame that moves by itself: what is not symmetric adds up to nothing. A support has a given
+    // motion; like all that is ground, by its motion at the origin of the world
     const bool is_ground[2] = {from < 0, to < 0};
     for (int k : {0, 1}) {
         if (!is_ground[k]) continue;

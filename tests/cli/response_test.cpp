@@ -693,8 +693,8 @@ rotational_damping = 6
         }
 }
 
-/// A body on a bent beam, on a rope and on a spring, all of them strained at rest, whose supports move together as one rigid
-/// body would: by u and by θ about the origin, slowly.
+/// A body on a bent beam, on a rope and on two springs, one from its support and one to it, all of them strained at rest,
+/// whose supports move together as one rigid body would: by u and by θ about the origin, slowly.
 std::string strained_machine(const std::string& gravity, const Eigen::Vector3d& u, const Eigen::Vector3d& theta) {
     const auto motion = [&](const Eigen::Vector3d& place) {
         const Eigen::Vector3d shift = u + theta.cross(place);
@@ -742,6 +742,13 @@ from = "side"
 to = "b.m"
 stiffness = [700, 400, 900]
 rotational_stiffness = [3, 5, 4]
+[[element]]
+name = "back"
+type = "spring_damper"
+from = "b.m"
+to = "side"
+stiffness = [300, 800, 500]
+rotational_stiffness = [2, 6, 5]
 )",
                        gravity, node("root", {0.1, -0.2, 0}, ""), node("top", {0.4, 0.3, 0.7}, ""),
                        node("side", {0.6, 0.1, -0.15}, "rotation = { axis = [1, 2, -1], angle = 0.7 },"));
@@ -768,7 +775,8 @@ TEST_F(SteadyVibration, AStrainedMachineGoesAlongWithItsSupports) {
             for (Eigen::Index i = 0; i < 3; ++i) {
                 const std::string axis = fmt::format(".{}", "xyz"[i]);
                 EXPECT_LT(std::abs(table.amplitude(0, "b.position" + axis) - shift(i)), bound * shift.norm()) << beams;
-                for (const char* channel : {"beam.force", "beam.moment", "rope.force", "spring.force", "spring.moment"}) {
+                for (const char* channel : {"beam.force", "beam.moment", "rope.force", "spring.force", "spring.moment",
+                                            "back.force", "back.moment"}) {
                     const std::string name = channel + axis;
                     if (std::ranges::find(table.names, name + ".re") == table.names.end()) continue;
                     EXPECT_LT(std::abs(table.amplitude(0, name)), 100 * bound) << name << ", " << beams;

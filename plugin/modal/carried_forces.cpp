@@ -168,7 +168,7 @@ Complex6 CarriedForces::turned_with_line(size_t element, const Complex6& force) 
     return all;
 }
 
-/// Of lumps: its first joint lies a quarter of a segment behind the `from` end.
+/// Of lumps: its first joint lies a quarter of a segment behind the `from` end, and moves against it.
 Carried CarriedForces::by_chain(size_t element) const {
     const Bond& first = model_.bonds[as_size(parts_.of[element].bond)];
     const Matrix3 axes = first.axes.topLeftCorner<3, 3>();
@@ -177,6 +177,10 @@ Carried CarriedForces::by_chain(size_t element) const {
     const Vector3 lever = axes.transpose() * (first.points[0] - model_.nodes[as_size(model_.ends[element].from)].position);
     const Eigen::Vector3cd force = carried.force.head<3>();
     carried.force.tail<3>() += skew(lever).cast<Complex>() * force;  // cross() of Eigen conjugates
+    if (model_.is_at_rest) {
+        const Complex6 way = complex(first.axes.transpose()) * relative(first);
+        carried.force.tail<3>() -= skew(model_.resting[element].at_from.head<3>()).cast<Complex>() * way.head<3>();
+    }
     return carried;
 }
 

@@ -40,14 +40,15 @@ void RestingParts::find_lines() {
             const JointPose pose = joint.pose(at_from, at_to);
             points.push_back(from.position + pose.arm);
             own.forces.push_back(both(pose.axes) * (links[k].force + links[k].rigid));
-            if (k == 0) own.axes = pose.axes;
+            if (k == 0) {
+                own.axes = pose.axes;
+                own.at_from = both(own.axes.transpose()) * own.forces.front();
+                const Vector3 way = own.axes.transpose() * (points.front() - links.front().from.point(line.start));
+                own.at_from.tail<3>() += way.cross(Vector3(own.at_from.head<3>()));
+            }
             if (k + 1 == links.size())
                 own.turned = rotation_vector(Matrix3(own.axes.transpose() * joint.seat().axes_at_to(FrameView(at_to))));
         }
-        // The first joint lies a quarter of a segment from the end
-        own.at_from = both(own.axes.transpose()) * own.forces.front();
-        const double quarter = (line.finish - line.start).norm() / (4 * static_cast<double>(links.size() - 1));
-        own.at_from.tail<3>() += quarter * Vector3::UnitX().cross(Vector3(own.at_from.head<3>()));
         if (description_.lumped_beams || line.line.stretches_only) continue;
         const Vector3 chord = (points.back() - points.front()).normalized();
         double away = 0;

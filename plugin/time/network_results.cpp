@@ -197,20 +197,47 @@ double* NetworkResults::write_chain(const Instant& instant, double* out, size_t 
     double& turn_to_limit = has_limit(first) ? *out++ : none;
     turn_to_limit = 0;
 
-    // The joints of whole segments sit at the sections; those of the half segments at the ends, a quarter segment off
-    const double quarter = chain.rest.norm() / (4 * (last - first - 1));
     for (int j = first; j < last; ++j) {
-        Vector6 f = instant.force(as_size(j));
         turn_to_limit = std::max(turn_to_limit, mechanism_.states[as_size(j)].theta_before.norm() /
                                                     mechanism_.joints[as_size(j)].law().most_turn);
-        const double way_to_joint = j == first ? quarter : j == last - 1 ? -quarter : 0;
-        f.tail<3>() += Vector3(way_to_joint, 0, 0).cross(Vector3(f.head<3>()));
+        const Vector6 f = section_forces(instant, chain, {first, last}, j);
         Eigen::Map<Vector6>{out} = f;
         if (j == first) Eigen::Map<Vector6>{total} = f;
         out += 6;
         if (chain.moduli.are_known()) *out++ = chain.moduli.extreme_stress(f(0), f(4), f(5));
     }
     return out;
+}
+
+/// What the section of a joint carries, [force; moment about the section] in the section's axes. The joints of whole
+/// segments sit at the sections, half way between the frames that they join. Those of the half segments lie a quarter of a
+/// segment inside the ends, whose sections go with the nodes.
+Vector6 NetworkResults::section_forces(const Instant& instant, const ChainView& chain, std::pair<int, int> joints,
+                                       int j) const {
+    const JointState& state = mechanism_.states[as_size(j)];
+    const Vector6 f = instant.force(as_size(j));
+    const Vector3 force = f.head<3>(), at_joint = f.tail<3>();
+    // In the joint's axes: from the section to where the joint acts; how the section is turned against these axes
+    Vector3 way = 0.5 * state.d_before, turn = 0.5 * state.theta_before;
+    if (j == joints.first) {
+        way = way_to_first_joint(chain, j);
+        turn.setZero();
+    } else if (j == joints.second - 1) {
+        const double quarter = chain.rest.norm() / (4 * (joints.second - joints.first - 1));
+        turn = state.theta_before;
+        way = turned(turn, Vector3(-quarter, 0, 0));
+    }
+    Vector6 own;
+    own << turned(-turn, force), turned(-turn, at_joint + way.cross(force));
+    return own;
+}
+
+/// From the node at the `from` end to where the first joint acts, its axes.
+Vector3 NetworkResults::way_to_first_joint(const ChainView& chain, int j) const {
+    const Joint& joint = mechanism_.joints[as_size(j)];
+    const FrameView from = mechanism_.frame_before(joint.from());
+    const JointPose pose = joint.pose(from, mechanism_.frame_before(joint.to()));
+    return pose.axes.transpose() * (pose.arm - from.axes() * mechanism_.assembly.nodes[as_size(chain.from_node)].offset);
 }
 
 std::vector<uint32_t> NetworkResults::lines() const {

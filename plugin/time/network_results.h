@@ -85,6 +85,8 @@ private:
     double* write_reaction(const Instant& instant, double* out, const ReactionView& reaction) const;
     double* write_joint(const Instant& instant, double* out, size_t joint) const;
     double* write_chain(const Instant& instant, double* out, size_t element, const ChainView& chain) const;
+    Vector6 section_forces(const Instant& instant, const ChainView& chain, std::pair<int, int> joints, int j) const;
+    Vector3 way_to_first_joint(const ChainView& chain, int j) const;
     double* write_node(double* out, size_t node) const;
     double* write_energies(double* out, int first, int last) const;
     Vector3 section_position(size_t element, const ChainView& chain, int section) const;

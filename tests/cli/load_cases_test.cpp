@@ -342,6 +342,86 @@ TEST(Members, ABeamOnTwoSupports) {
     EXPECT_NEAR(cases.at("", "b.reaction.z"), 3, 1e-9);
 }
 
+/// A light cantilever in a plane that is no plane of the world, from `a` to `b`, under a force along it and one across at b.
+/// EI = 1.7 N m², 0.5 m.
+std::string pulled_cantilever(const char* from, const char* to, int segments, double along, double across) {
+    const Vector3d up = kPlane.col(2);
+    return fmt::format(R"(format = "dttmm/1"
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+b = {}
+[[element]]
+name = "beam"
+type = "beam"
+from = "{}"
+to = "{}"
+segments = {}
+up = [{:.17g}, {:.17g}, {:.17g}]
+theory = "euler-bernoulli"
+section = {{ EA = 1e7, EIy = 1.7, EIz = 2.9, GJ = 1.1, mass = 1e-3, inertia = 1e-8 }}
+[[load]]
+on = "b"
+direction = {}
+force = {}
+[[load]]
+on = "b"
+direction = {}
+force = {}
+)",
+                       place_of(0.5, 0), from, to, segments, up.x(), up.y(), up.z(), direction_of(1, 0), along,
+                       direction_of(0, 1), across);
+}
+
+/// Largest error of bending moment and shear force over the sections, against their largest values.
+Eigen::Vector2d errors_of_pulled_cantilever(bool from_tip, int segments) {
+    constexpr double P = 100, Q = 1, L = 0.5;
+    const double k = std::sqrt(P / 1.7);
+    const Cases cases = cases_of(pulled_cantilever(from_tip ? "b" : "a", from_tip ? "a" : "b", segments, P, Q));
+    Eigen::Vector2d worst(0, 0);
+    for (const auto& row : cases.members) {
+        const double s = std::stod(row.at("position")), rest = from_tip ? s : L - s;
+        const double M = -Q / k * std::sinh(k * rest) / std::cosh(k * L), V = Q * std::cosh(k * rest) / std::cosh(k * L);
+        worst.x() = std::max(worst.x(), std::abs(std::stod(row.at("My")) - M) * k);
+        worst.y() = std::max(worst.y(), std::abs(std::stod(row.at("Vz")) - (from_tip ? -V : V)));
+    }
+    return worst;
+}
+
+// Oracle: P w'' - EI w'''' = 0 of a cantilever under tension.
+TEST(Members, OfAPulledCantileverAreOfSecondOrderFromBothEnds) {
+    for (const bool from_tip : {false, true}) {
+        const Eigen::Vector2d coarse = errors_of_pulled_cantilever(from_tip, 20),
+                              fine = errors_of_pulled_cantilever(from_tip, 40);
+        for (int i : {0, 1}) {
+            EXPECT_LT(fine(i), 0.0012) << from_tip << i;
+            EXPECT_GT(coarse(i), 3.5 * fine(i)) << from_tip << i;
+        }
+    }
+}
+
+// Oracle: the balance of what lies between a section and an end: one force all along, no moment at the free end, and at the
+// support that of the reaction.
+TEST(Members, OfAFarBentCantileverAreInBalance) {
+    for (const bool from_tip : {false, true}) {
+        const Cases cases = cases_of(pulled_cantilever(from_tip ? "b" : "a", from_tip ? "a" : "b", 7, -3, 11));
+        ASSERT_EQ(cases.members.size(), 8u);
+        const Vector3d reaction = kPlane.transpose() * cases.vector("", "a.reaction_moment");
+        EXPECT_GT(std::abs(reaction.y()), 3.5);
+        for (const auto& row : cases.members) {
+            const double s = std::stod(row.at("position")), rest = from_tip ? s : 0.5 - s;
+            const auto value = [&](const char* name) { return std::stod(row.at(name)); };
+            EXPECT_NEAR(std::hypot(value("N"), value("Vy"), value("Vz")), std::sqrt(130.0), 1e-8) << s;
+            if (rest == 0) {
+                EXPECT_NEAR(value("My"), 0, 1e-9) << from_tip;
+            }
+            if (rest == 0.5) {
+                EXPECT_NEAR(value("My"), -reaction.y(), 1e-9) << from_tip;
+                EXPECT_NEAR(value("N"), -3, 1e-9) << from_tip;
+            }
+        }
+    }
+}
+
 TEST(Members, StiffnessesTellNoStress) {
     const Cases cases = cases_of(beam_under_load(
         "a = { position = [0, 0, 0], fixed = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"] }\nb = [1.2, 0, 0]",

@@ -785,6 +785,62 @@ TEST_F(SteadyVibration, AStrainedMachineGoesAlongWithItsSupports) {
         }
 }
 
+/// A beam between a clamped node and a free one under a force along it, and further loads.
+std::string loaded_beam(bool from_tip, double along, const std::string& loads) {
+    return fmt::format(R"(format = "dttmm/1"
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+b = [0.3, 0.4, 0]
+[[element]]
+name = "beam"
+type = "beam"
+from = "{}"
+to = "{}"
+segments = 6
+section = {{ EA = 1e5, EIy = 1.7, EIz = 2.9, GJ = 1.1, mass = 1e-3, inertia = 1e-8, GAy = 300, GAz = 400 }}
+[[load]]
+on = "b"
+direction = [0.6, 0.8, 0]
+force = {}
+{})",
+                       from_tip ? "b" : "a", from_tip ? "a" : "b", along, loads);
+}
+
+std::string across_it(const std::string& force) {
+    return fmt::format("[[load]]\non = \"b\"\ndirection = [0.08, -0.06, 1]\nforce = {}\n", force);
+}
+
+// Oracle: differences of `dttmm static`: under slow loads a machine goes through its equilibria. At the free end there is
+// no moment, so that it does not change.
+TEST_F(SteadyVibration, ABeamsMomentFollowsSlowLoads) {
+    for (const bool from_tip : {false, true})
+        for (const auto& [along, across] : {std::pair(30.0, 0.2), std::pair(-2.0, 6.0)}) {
+            const double change = 1e-3 * across;
+            std::vector<ResultsTable> rest;
+            for (const double force : {across - change, across + change}) {
+                write_text(folder_ / "m.toml", loaded_beam(from_tip, along, across_it(fmt::format("{:.17g}", force))));
+                ASSERT_EQ(run_dttmm(folder_.path(), {"static", "m.toml", "-q", "-o", "rest"}).code, 0);
+                rest.push_back(read_table(folder_ / "rest/static.csv"));
+            }
+            const std::string vibrates = across_it(fmt::format("{:.17g}", across)) +
+                                         across_it("{ type = \"harmonic\", amplitude = 1, frequency = \"0.001 Hz\" }");
+            const Table table = response(loaded_beam(from_tip, along, vibrates),
+                                         {"--from", "0.001 Hz", "--to", "0.0011 Hz", "--points", "2", "-q"});
+            double largest = 0;
+            for (const char axis : {'x', 'y', 'z'}) {
+                const std::string channel = fmt::format("beam.moment.{}", axis);
+                const double slope = (rest[1].value(0, channel) - rest[0].value(0, channel)) / (2 * change);
+                largest = std::max(largest, std::abs(slope));
+                EXPECT_NEAR(table.value(0, channel + ".re"), slope, 1e-6) << from_tip << along << axis;
+            }
+            if (from_tip) {
+                EXPECT_LT(largest, 1e-9) << along;
+            } else {
+                EXPECT_GT(largest, 0.2) << along;
+            }
+        }
+}
+
 // Oracle: the loads' absence and their cure.
 TEST_F(SteadyVibration, WrongQuestionsAreRefused) {
     const std::string harmonic = kMassOnSpring + "harmonic = { amplitude = \"1 N\" }\n",

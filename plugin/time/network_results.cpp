@@ -228,7 +228,8 @@ Vector6 NetworkResults::section_forces(const Instant& instant, const ChainView& 
         way = turned(turn, Vector3(-quarter, 0, 0));
     }
     Vector6 own;
-    own << turned(-turn, force), turned(-turn, at_joint + way.cross(force));
+    const Matrix3 to_section = rotation_from_vector(-turn);
+    own << to_section * force, to_section * (at_joint + way.cross(force));
     return own;
 }
 

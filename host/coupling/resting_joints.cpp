@@ -13,15 +13,30 @@ namespace dttmm::host {
 
 namespace {
 
-/// Turn of a body in differences of the fourth order [rad]; shifts are as much of the joint's arm. Of the forces,
-/// kJointTurn⁴ = 1e-12 over thirty is neglected and some 2e-16/kJointTurn = 2e-13 is rounding. Range 5e-4 (at 1e-5
-/// PreloadedModes.ABodyOnABall...) to 1e-2 (at 1e-1 ModesAtRest.APendulum...).
-constexpr double kJointTurn = 1e-3;
-/// f' = Σ weight (f(at h) − f(−at h))/h.
-struct Point {
-    double at, weight;
-};
-constexpr Point kPoints[] = {{1, 2.0 / 3}, {2, -1.0 / 12}};
+/// The derivative of f(bodies) by the motion c of a body, its displacements and then its turns, about where it is. f is
+/// linear in the displacements: any length serves, that of the arm keeps rounding small.
+template <class F>
+auto slope(std::vector<BodyState>& at, int body, Eigen::Index c, double length, const F& f) {
+    BodyState& moving = at[as_size(body)];
+    const BodyState still = moving;
+    const auto odd = [&](double way) {
+        const Eigen::Matrix<double, 6, 1> by = way * Eigen::Matrix<double, 6, 1>::Unit(c);
+        moving = moved(still, by);
+        auto value = f(at);
+        moving = moved(still, -by);
+        value = (0.5 * (value - f(at))).eval();
+        moving = still;
+        return value;
+    };
+    if (c >= 3) return slope_by_turn(odd);
+    auto by_length = odd(length);
+    by_length /= length;
+    return by_length;
+}
+
+using Vector12 = Eigen::Matrix<double, 12, 1>;
+
+double length_of(const JointEquations& joint, JointEquations::Side side) { return std::max(joint.arm(side), 1e-3); }
 
 }  // namespace
 
@@ -98,7 +113,7 @@ void RestingJoints::add(std::vector<BodyState>& at, double factor, const std::ve
     }
 }
 
-/// ∂(Jᵀ q)/∂(pose): the forces of a joint turn with its bodies. By differences.
+/// ∂(Jᵀ q)/∂(pose): the forces of a joint turn with its bodies.
 void RestingJoints::add_stiffness(size_t j, std::vector<BodyState>& at, Triplets& entries) const {
     const JointEquations& joint = equations()[j];
     const Eigen::VectorXd q = reactions(j);
@@ -106,25 +121,18 @@ void RestingJoints::add_stiffness(size_t j, std::vector<BodyState>& at, Triplets
     for (const auto moving : JointEquations::kSides) {
         const int column_body = joint.bodies()[moving];
         if (column_body < 0) continue;
-        BodyState& body = at[as_size(column_body)];
-        const BodyState still = body;
         for (int c = 0; c < 6; ++c) {
-            Vector6 by = Vector6::Zero();
-            by(c) = c < 3 ? kJointTurn * std::max(joint.arm(moving), 1e-3) : kJointTurn;
-            Vector6 slope[2] = {Vector6::Zero(), Vector6::Zero()};
-            for (const Point& point : kPoints)
-                for (const double sign : {1.0, -1.0}) {
-                    body = moved(still, sign * point.at * by);
-                    const JointEquations::Jacobian J = joint.jacobian(at);
-                    for (const auto side : JointEquations::kSides)
-                        slope[side] += sign * point.weight / by(c) * J[side].transpose() * q;
-                }
-            body = still;
+            const Vector12 by_motion = slope(at, column_body, c, length_of(joint, moving), [&](const auto& bodies) {
+                const JointEquations::Jacobian J = joint.jacobian(bodies);
+                return Vector12(
+                    (Vector12() << J[JointEquations::kFirst].transpose() * q, J[JointEquations::kSecond].transpose() * q)
+                        .finished());
+            });
             for (const auto side : JointEquations::kSides) {
                 const int row_body = joint.bodies()[side];
                 if (row_body < 0) continue;
                 for (int r = 0; r < 6; ++r) {
-                    const double k = 0.5 * slope[side](r);
+                    const double k = 0.5 * by_motion(6 * as_row(size_t{side}) + r);
                     entries.emplace_back(6 * row_body + r, 6 * column_body + c, k);
                     entries.emplace_back(6 * column_body + c, 6 * row_body + r, k);
                 }
@@ -191,15 +199,9 @@ Eigen::Matrix<double, 6, 12> RestingJoints::turning(size_t j, const std::vector<
     for (const auto side : JointEquations::kSides) {
         const int body = joint.bodies()[side];
         if (body < 0) continue;
-        for (int c = 0; c < 6; ++c) {
-            const double step = c < 3 ? kJointTurn * std::max(joint.arm(side), 1e-3) : kJointTurn;
-            for (const Point& point : kPoints)
-                for (const double sign : {1.0, -1.0}) {
-                    at[as_size(body)] = moved(start[as_size(body)], sign * point.at * step * Vector6::Unit(c));
-                    all.col(6 * as_row(size_t{side}) + c) += sign * point.weight / step * wrench(j, at);
-                }
-        }
-        at[as_size(body)] = start[as_size(body)];
+        for (int c = 0; c < 6; ++c)
+            all.col(6 * as_row(size_t{side}) + c) =
+                slope(at, body, c, length_of(joint, side), [&](const auto& bodies) { return wrench(j, bodies); });
     }
     return all;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <numbers>
 #include <vector>
 
 #include "model/model.h"
@@ -9,8 +10,17 @@
 
 namespace dttmm::host {
 
-/// A body moved a little by [shift; turn], world axes.
+/// A body moved by [shift; turn], world axes.
 BodyState moved(const BodyState& from, const Eigen::Matrix<double, 6, 1>& by);
+
+/// The derivative by a turn φ, at φ = 0, of what is a polynomial of degree two in the rotation, as forces of joints and
+/// loads are. odd(φ) = ½ (f(φ) − f(−φ)) is then a₁ sin φ + a₂ sin 2φ, and a₁ + 2 a₂ is exact.
+template <class Odd>
+auto slope_by_turn(const Odd& odd) {
+    auto slope = odd(std::numbers::pi / 4);
+    slope = 2 * slope + (1 - std::numbers::sqrt2) * odd(std::numbers::pi / 2);
+    return slope;
+}
 
 /// The ideal joints of a machine at rest: their equations and forces Jᵀ q beside those of the bodies, and their stops. Each
 /// function gets the places of the bodies.
@@ -37,11 +47,16 @@ public:
     /// call and restored.
     void add(std::vector<BodyState>& at, double factor, const std::vector<double>& held, bool shares_anew, Triplets& entries,
              Eigen::VectorXd& right_hand_side) const;
-    /// Work of the forces of the joints after a solution, row by row: work(w).
+    /// Work of the forces of the joints in the motion of a solution, in parts: work(w). matrix: of the equations; what it
+    /// has on its diagonal yields to the change of a force.
     template <class Work>
-    void for_each_work(const Eigen::VectorXd& solution, const Eigen::VectorXd& right_hand_side, const Work& work) const {
-        for (Eigen::Index row = rows_ - q_.size(); row < rows_; ++row)
-            work(-(q_(row - rows_ + q_.size()) + solution(row)) * right_hand_side(row));
+    void for_each_work(const Eigen::SparseMatrix<double>& matrix, const Eigen::VectorXd& solution,
+                       const Eigen::VectorXd& right_hand_side, const Work& work) const {
+        for (Eigen::Index row = rows_ - q_.size(); row < rows_; ++row) {
+            const double force = q_(row - rows_ + q_.size()) + solution(row);
+            work(-force * right_hand_side(row));
+            work(force * matrix.coeff(row, row) * solution(row));
+        }
     }
     /// Takes a share of the change of the forces in a solution.
     void change(double share, const Eigen::VectorXd& solution) { q_ += share * solution.tail(q_.size()); }

@@ -66,10 +66,10 @@ std::vector<Vector6> strain_by_direction(const FrequencyModel& model, const Fram
     return energies;
 }
 
-/// Of what forces do as they turn, which cancels where nothing holds: share of the sum of its terms. Forces of joints turn
-/// by differences, which leave 2e-13. Range 1e-13 (at 1e-14 PreloadedModes.ABodyOnABall...) to 1e-10 (at 1e-8
-/// ModesAtRest.ALineUnderItsOwnWeight).
-constexpr double kTurningRounding = 1e-12;
+/// Of what forces do as they turn, which cancels where nothing holds: share of the sum of its terms, and of the largest such
+/// stiffness in the machine, for a force may be zero but for rounding of others. Range 1 (at 1/20
+/// PreloadedModes.ABodyOnABall...) to 5e5 roundings (at 5e7 ModesAtRest.ALineUnderItsOwnWeight).
+constexpr double kTurningRounding = 16 * std::numeric_limits<double>::epsilon();
 
 std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector& u) {
     const FrequencyModel& model = D.model();
@@ -79,13 +79,22 @@ std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector
         energies[as_size(element)].energy += strain.energy;
         energies[as_size(element)].unsure += strain.unsure;
     };
+    double most_turning = 0;  // [N m/rad]
+    for (const Bond& bond : model.bonds)
+        if (bond.turning)
+            for (int end : {0, 1})
+                most_turning =
+                    std::max(most_turning, bond.turning->at[end][end].bottomRightCorner<3, 3>().cwiseAbs().maxCoeff());
     for (const Bond& bond : model.bonds) {
         const Vector12 ends = bond.ends(u);
         const Vector6 d = bond.axes.transpose() * (ends.tail<6>() - ends.head<6>());
         if (bond.turning) {
             const Vector6 world = ends.tail<6>() - ends.head<6>();
+            double turn = 0;
+            for (const int frame : {bond.from, bond.to})
+                if (frame >= 0) turn += u[as_size(frame)].tail<3>().squaredNorm();
             add(bond.element, {0.5 * (world.dot(bond.stiffness * world) + bond.turning_energy(u)),
-                               0.5 * kTurningRounding * bond.turning_size(u)});
+                               0.5 * kTurningRounding * (bond.turning_size(u) + most_turning * turn)});
             continue;
         }
         // In its own axes: where nothing holds there is no strain, not rounding of it

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cli/modes_run.h"
+#include "cli/static_run.h"
 
 namespace dttmm::host {
 namespace {
@@ -356,7 +357,7 @@ rotational_stiffness = [1e4, 2e4, 3e4]
 
 // A body on a ball may spin about its line of pull, which nothing holds. Oracle: in axes of the body, in which the pull goes
 // through its centre of mass, the eigenproblem is that of no direction of gravity: m g l (1 - e eT) over its inertia about
-// the ball. The forces of a joint turn by differences: what they leave is no motion that grows.
+// the ball.
 TEST(PreloadedModes, ABodyOnABallSpinsUnderObliqueGravity) {
     const double m = 1.3, g = 9.3;
     const Eigen::Vector3d arm(0.3, -0.1, -0.4);
@@ -390,6 +391,50 @@ anchor = [0.2, -0.2, 0.1]
             EXPECT_EQ(found[0], 0);
             for (Eigen::Index i : {1, 2})
                 EXPECT_NEAR(found[static_cast<size_t>(i)] * 2 * M_PI / std::sqrt(squares(i)), 1, 1e-9);
+        }
+    }
+}
+
+/// Three bodies on hinges, one behind the other, turned as a whole. A force pulls the second; without weight nothing pulls
+/// the third, which spins about an axis through its centre of mass, or beside it.
+std::string pulled_chain(const Eigen::Matrix3d& turn, bool is_centred) {
+    const auto vector = [&](double x, double y, double z) {
+        const Eigen::Vector3d v = turn * Eigen::Vector3d(x, y, z);
+        return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z());
+    };
+    std::string text = "format = \"dttmm/1\"\n";
+    const auto body = [&](const char* name, const std::string& position) {
+        text += fmt::format("[[body]]\nname = \"{}\"\nmass = 2\ninertia = [0.2, 0.2, 0.2]\nposition = {}\n", name, position);
+    };
+    const auto hinge = [&](const char* first, const char* second, const std::string& anchor, const std::string& axis) {
+        text += fmt::format(
+            "[[joint]]\nname = \"to-{1}\"\ntype = \"hinge\"\nbetween = [\"{0}\", \"{1}\"]\nanchor = {2}\naxis = {3}\n",
+            first, second, anchor, axis);
+    };
+    body("b0", vector(0.7, -0.2, 0.4));
+    body("b1", vector(-0.6, 0.9, 0.1));
+    body("b2", vector(0.3, 0.5, -0.8));
+    hinge("ground", "b0", vector(0.1, 0.6, -0.3), vector(0.2, -1, 0.5));
+    hinge("b0", "b1", vector(-0.4, 0.3, 0.8), vector(1, 0.3, 0.4));
+    hinge("b1", "b2", vector(0.5, -0.7, -0.1), is_centred ? vector(-0.2, 1.2, -0.7) : vector(-0.3, 0.4, 1));
+    return text + fmt::format("[[load]]\non = \"b1\"\ndirection = {}\nforce = 40\n", vector(0.3, 0.8, -0.5));
+}
+
+// Oracle: the machine turned as a whole has the same frequencies, one of them 0; the others hang on where the third body
+// stays, if it swings out.
+TEST(PreloadedModes, APartThatNothingPullsMovesFreelyHoweverItLies) {
+    std::vector<double> frequencies;
+    for (int i = 0; i < 12; ++i) {
+        const Eigen::Vector3d axis(std::sin(3.0 * i + 1), std::cos(5.0 * i), std::sin(7.0 * i + 2));
+        const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.4 * i, axis.normalized()).toRotationMatrix();
+        for (const bool is_centred : {true, false}) {
+            const std::string text = pulled_chain(turn, is_centred);
+            const std::vector<double> found = frequencies_of(modes_of(text));
+            ASSERT_EQ(found.size(), 3u) << i;
+            EXPECT_EQ(found[0], 0) << i;
+            if (is_centred && i == 0) frequencies = found;
+            for (size_t k = 1; is_centred && k < 3; ++k) EXPECT_NEAR(found[k] / frequencies[k], 1, 1e-9) << i;
+            EXPECT_LT(rest_of(text).summary["largest_unbalanced_force_n"].get<double>(), 1e-12) << i;
         }
     }
 }

@@ -58,8 +58,8 @@ bool JointClosure::judge(std::vector<Stop>& stops, double h, const std::vector<B
 void JointClosure::close(const std::vector<BodyState>& now, double h, const LetGo& let_go,
                          const std::vector<BodyState>& predicted, std::vector<Stop>& stops, std::vector<BodyState>& after) {
     system_.linearise(now, now, stops, let_go);
-    // A stop at a dead centre lets go although ODE holds it
-    const bool parted = judge(stops, h, after), held = !judge(stops, h, predicted);
+    // A stop at a dead centre lets go although ODE holds it. Without ODE's joints the motion says what parts
+    const bool parted = !let_go.empty() && judge(stops, h, after), held = !judge(stops, h, predicted);
     if (parted || !held) system_.linearise(now, now, stops, let_go);
     factor(now);
     double before = std::numeric_limits<double>::infinity();  // the correction of the last pass

@@ -26,6 +26,9 @@ std::atomic<int> complaints{0};
 /// CFM of ODE's joints over the largest mobility of a body: enough for redundant joints; JointClosure makes up for it.
 constexpr double kSoftness = 1e-10;
 
+/// A force along a joint's coordinate that is a smaller share of the joint's force is rounding.
+constexpr double kForceRounding = 1e-12;
+
 std::string format_text(const char* text, va_list arguments) {
     char buffer[512];
     std::vsnprintf(buffer, sizeof buffer, text, arguments);
@@ -42,6 +45,12 @@ void on_failure(int number, const char* text, va_list arguments) {
 dBodyID body_id(void* id) { return static_cast<dBodyID>(id); }
 
 }  // namespace
+
+/// What ODE's joint does to its first body over a step, and where the joint was at its start.
+struct World::StopForce {
+    dJointFeedback force{};
+    Eigen::Vector3d axis, arm;  ///< of the first body: its anchor from its centre of mass [m, world]
+};
 
 /// ODE's process-wide state: initialised with the first world, closed with the last.
 class World::Library {
@@ -107,6 +116,9 @@ World::World(const std::vector<Body>& bodies, const std::vector<Joint>& joints) 
     dWorldSetCFM(world_->id(), kSoftness * largest_mobility);  // a hinge's own parameter is that of its stops only
     for (const Joint& joint : joints) create_joint(joint, kSoftness * largest_mobility);
     stops_.resize(joints.size());
+    stop_forces_.resize(joints.size());
+    for (size_t j = 0; j < joints.size(); ++j)
+        if (joints_[j].has_stops) dJointSetFeedback(static_cast<dJointID>(joints_[j].id), &stop_forces_[j].force);
     before_.resize(bodies.size());
     after_.resize(bodies.size());
     closure_ = std::make_unique<JointClosure>(bodies, joints);
@@ -237,6 +249,36 @@ void World::find_stops(double h, std::vector<Stop>& stops) const {
     }
 }
 
+/// Takes where joints are that have reached a stop.
+void World::watch_stops() {
+    for (size_t j = 0; j < joints_.size(); ++j) {
+        if (!stops_[j].acts) continue;
+        const auto id = static_cast<dJointID>(joints_[j].id);
+        StopForce& watched = stop_forces_[j];
+        watched.arm.setZero();
+        dVector3 axis, anchor;
+        if (joints_[j].turns) {
+            dJointGetHingeAxis(id, axis);
+            dJointGetHingeAnchor(id, anchor);
+            watched.arm = Eigen::Map<Eigen::Vector3d>(anchor) -
+                          Eigen::Map<const Eigen::Vector3d>(dBodyGetPosition(dJointGetBody(id, 0)));
+        } else {
+            dJointGetSliderAxis(id, axis);
+        }
+        watched.axis = Eigen::Map<Eigen::Vector3d>(axis);
+    }
+}
+
+/// Whether ODE's joint had a force along its coordinate over the step: only its stop has one. Of the others rounding is
+/// left.
+bool World::pushes(size_t joint) const {
+    const StopForce& watched = stop_forces_[joint];
+    const Eigen::Map<const Eigen::Vector3d> force(watched.force.f1), moment(watched.force.t1);
+    if (!joints_[joint].turns) return std::abs(watched.axis.dot(force)) > kForceRounding * force.norm();
+    const double along = watched.axis.dot(moment - watched.arm.cross(force));
+    return std::abs(along) > kForceRounding * (moment.norm() + watched.arm.norm() * force.norm());
+}
+
 /// ODE's own, with or without its joints; 0 if it ran out of memory.
 int World::step(double h, bool with_joints) {
     if (with_joints) return dWorldStep(world_->id(), h);
@@ -251,6 +293,7 @@ void World::advance(double h, const std::vector<BodyState>& predicted, const Let
     if (closure_) {
         read_states(before_);
         find_stops(h, stops_);
+        watch_stops();
     }
     int done = 0;
     try {
@@ -263,6 +306,8 @@ void World::advance(double h, const std::vector<BodyState>& predicted, const Let
     if (complaints != before) throw Error(ExitCode::numerical_failure, "ODE reported a numerical problem during the step");
     if (!closure_) return;
     read_states(after_);
+    if (let_go.empty())
+        for (size_t j = 0; j < stops_.size(); ++j) stops_[j].acts = stops_[j].acts && pushes(j);
     closure_->close(before_, h, let_go, predicted, stops_, after_);
     set_states(after_);
 }

@@ -71,6 +71,8 @@ private:
     void set_saved(size_t body, const Saved::Body& saved);
     void create_joint(const Joint& joint, double cfm);
     int step(double h, bool with_joints);
+    void watch_stops();
+    bool pushes(size_t joint) const;
     class Library;
     class Owner;
     /// ODE's handle of a body, and where ODE keeps its numbers.
@@ -88,6 +90,8 @@ private:
         double lower, upper;  ///< [rad, m]
     };
     std::vector<JointHandle> joints_;
+    struct StopForce;
+    std::vector<StopForce> stop_forces_;  ///< of the joints; those without stops have none
     std::vector<Stop> stops_;
     std::vector<BodyState> before_, after_;
     std::unique_ptr<JointClosure> closure_;  ///< none without joints

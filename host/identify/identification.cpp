@@ -27,8 +27,12 @@ constexpr double kSame = 1e-3;         // distance of coordinates: one minimum
 constexpr double kNear = 0.01;         // the same, of minima of a short window
 constexpr double kFarWorse = 4;        // times the least chi2 of a short window: no minimum of the long one
 constexpr double kFirstWindow = 0.25;  // share of a history: a short one has fewer side minima
-constexpr int kDescended = 4;          // of the starting points of histories and responses: those with the least residual
+constexpr int kDescended = 4;          // of the starting points of histories and responses: in one go, nearest first
 constexpr int kNoiseRounds = 2;        // estimates of noise from residuals, each followed by a fit
+
+void sort_by_chi2(std::vector<Minimum>& minima) {
+    std::ranges::stable_sort(minima, [](const Minimum& a, const Minimum& b) { return a.chi2() < b.chi2(); });
+}
 
 }  // namespace
 
@@ -44,13 +48,19 @@ Minimum Identifier::descend(const Eigen::VectorXd& start, double enough,
     quick.jacobian = [this, all](const Eigen::VectorXd& x, const Eigen::VectorXd& here) {
         return residuals_.differentiate_quickly(x, here, all);
     };
-    return minimise(quick, start, {kMostEvaluations, enough});
+    const SearchEnd end = {kMostEvaluations, enough};
+    return minimise(quick, by_logarithms(start, jobs_, end), end);
+}
+
+/// Where responses are near the data in their logarithms; of other data the start. Resonances that do not overlap with the
+/// measured ones leave the difference a minimum of its own for almost every stiffness, and the logarithm hardly any.
+Eigen::VectorXd Identifier::by_logarithms(const Eigen::VectorXd& start, int jobs, const SearchEnd& end) const {
+    return comparison_.has_responses() ? minimise(residuals_.problem(true, jobs), start, end).x : start;
 }
 
 Minimum Identifier::search_from(const Eigen::VectorXd& start, int jobs) const {
-    if (!comparison_.has_responses()) return minimise(residuals_.problem(false, jobs), start, {most_evaluations_});
-    const Minimum by_logarithms = minimise(residuals_.problem(true, jobs), start);
-    return minimise(residuals_.problem(false, jobs), by_logarithms.x);
+    const SearchEnd end = {most_evaluations_};
+    return minimise(residuals_.problem(false, jobs), by_logarithms(start, jobs, end), end);
 }
 
 bool Identifier::is_underdetermined(const Identifiability& judged) const {
@@ -79,12 +89,14 @@ std::vector<Identifier::Start> Identifier::starting_points(int starts, int seed)
     return points;
 }
 
-/// Of modes every point is descended from; of histories and responses those that come nearest to the data.
+/// Of modes every point is descended from; of histories and responses those that come nearest to the data. Of responses the
+/// next nearest follow as long as no minimum explains the data.
 std::vector<Minimum> Identifier::search(const std::vector<Start>& points, Identification& found) {
     std::vector<size_t> chosen(points.size());
     std::iota(chosen.begin(), chosen.end(), size_t{0});
     const bool is_by_residual = !comparison_.has_modes();
-    if (is_by_residual && points.size() > kDescended) {
+    const bool are_ordered = is_by_residual && points.size() > kDescended;
+    if (are_ordered) {
         const std::vector<TaskResult> sums = map_in_processes(points.size(), jobs_, [&](size_t p) {
             return std::vector<double>{residuals_.at(points[p].x, true).squaredNorm()};
         });
@@ -92,9 +104,28 @@ std::vector<Minimum> Identifier::search(const std::vector<Start>& points, Identi
             return sums[p].reason.empty() ? sums[p].numbers.front() : std::numeric_limits<double>::infinity();
         };
         std::stable_sort(chosen.begin() + 1, chosen.end(), [&](size_t a, size_t b) { return sum_of(a) < sum_of(b); });
-        chosen.resize(kDescended);
     }
     found.descents = 0;
+    if (!are_ordered) return descend_from(points, chosen, found);
+    std::vector<Minimum> minima;
+    const std::span<const size_t> all(chosen);
+    for (size_t first = 0; first < all.size(); first += kDescended) {
+        for (Minimum& one :
+             descend_from(points, all.subspan(first, std::min<size_t>(kDescended, all.size() - first)), found))
+            minima.push_back(std::move(one));
+        sort_by_chi2(minima);
+        if (!comparison_.has_responses() || (!minima.empty() && is_explained_by(minima.front()))) break;
+    }
+    return minima;
+}
+
+bool Identifier::is_explained_by(const Minimum& minimum) const {
+    return judge_fit(comparison_, make_solution(minimum)).is_explained();
+}
+
+/// A process each, where there are several.
+std::vector<Minimum> Identifier::descend_from(const std::vector<Start>& points, std::span<const size_t> chosen,
+                                              Identification& found) const {
     for (const size_t p : chosen) found.descents += points[p].count;
     const auto size = as_row(unknowns_.size());
     const bool is_apart = chosen.size() > 1;
@@ -120,7 +151,7 @@ std::vector<Minimum> Identifier::search(const std::vector<Start>& points, Identi
         minimum.residual = all.tail(all.size() - 2 * size);
         minima.push_back(std::move(minimum));
     }
-    std::ranges::stable_sort(minima, [](const Minimum& a, const Minimum& b) { return a.chi2() < b.chi2(); });
+    sort_by_chi2(minima);
     return minima;
 }
 
@@ -256,7 +287,7 @@ void Identifier::settle_noise(std::vector<Minimum>& minima) const {
         minima.front() = minimise(residuals_.problem(), minima.front().x);
         for (size_t m = 1; m < minima.size(); ++m) minima[m].residual = residuals_.at(minima[m].x);
     }
-    std::ranges::stable_sort(minima, [](const Minimum& a, const Minimum& b) { return a.chi2() < b.chi2(); });
+    sort_by_chi2(minima);
 }
 
 /// Those within kAsGood of the best, each once.

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,7 @@ public:
     const Residuals& residuals() const { return residuals_; }
 
 private:
+    Eigen::VectorXd by_logarithms(const Eigen::VectorXd& start, int jobs, const SearchEnd& end) const;
     Minimum search_from(const Eigen::VectorXd& start, int jobs) const;
     /// A point to go down from, and how many descents led to it.
     struct Start {
@@ -52,6 +54,9 @@ private:
     };
     std::vector<Start> starting_points(int starts, int seed) const;
     bool is_underdetermined(const Identifiability& judged) const;
+    bool is_explained_by(const Minimum& minimum) const;
+    std::vector<Minimum> descend_from(const std::vector<Start>& points, std::span<const size_t> chosen,
+                                      Identification& found) const;
     std::vector<Minimum> search(const std::vector<Start>& points, Identification& found);
     std::vector<Minimum> search_in_stages(std::vector<Start> points, Identification& found);
     void settle_noise(std::vector<Minimum>& minima) const;

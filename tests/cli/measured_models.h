@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 #include <random>
 #include <sstream>
 #include <string>
@@ -57,6 +60,65 @@ markers = { corner1 = [0.13, 0.08, 0], corner2 = [-0.13, 0.08, 0], corner3 = [-0
                       "start = 0, width = \"4 ms\" }}\n",
                       at);
 }
+
+/// One mass on a spring to the ground, or a second one on top of it, along z, with dampers beside the springs.
+struct SprungMasses {
+    std::vector<double> masses, stiffnesses, dampings;  ///< kg, N/m, N s/m
+
+    std::string model() const {
+        std::string text = "format = \"dttmm/1\"\ndofs = [\"z\"]\n";
+        for (size_t i = 0; i < masses.size(); ++i)
+            text += fmt::format("[[body]]\nname = \"b{}\"\nmass = {}\ninertia = [1, 1, 1]\n", i, masses[i]);
+        for (size_t i = 0; i < masses.size(); ++i)
+            text += fmt::format(
+                "[[element]]\nname = \"s{0}\"\ntype = \"spring_damper\"\nfrom = \"{1}\"\nto = \"b{0}\"\nstiffness = [0, 0, "
+                "{2}]\ndamping = [0, 0, {3}]\n",
+                i, i == 0 ? "ground" : "b0", stiffnesses[i], dampings[i]);
+        return text;
+    }
+
+    /// Accelerations per force on b0, in closed form, 3 to 150 Hz: a CSV file with noise, its deviation as share of the
+    /// largest magnitude of each.
+    std::string response(size_t points, double share, unsigned seed) const {
+        using Complex = std::complex<double>;
+        std::vector<double> frequencies;
+        std::vector<std::vector<Complex>> columns(masses.size());
+        for (size_t p = 0; p < points; ++p) {
+            const double f = 3 + 147 * static_cast<double>(p) / static_cast<double>(points - 1),
+                         w = 2 * std::numbers::pi * f;
+            frequencies.push_back(f);
+            const Complex K0(stiffnesses[0], w * dampings[0]);
+            if (masses.size() == 1) {
+                columns[0].push_back(-w * w / (K0 - masses[0] * w * w));
+                continue;
+            }
+            const Complex K1(stiffnesses[1], w * dampings[1]), upper = K1 - masses[1] * w * w,
+                                                               det = (K0 + K1 - masses[0] * w * w) * upper - K1 * K1;
+            columns[0].push_back(-w * w * upper / det);
+            columns[1].push_back(-w * w * K1 / det);
+        }
+        std::mt19937_64 engine(seed);
+        std::normal_distribution<double> normal;
+        std::string names = "frequency", units = "Hz";
+        for (size_t i = 0; i < columns.size(); ++i) {
+            names += fmt::format(",b{0}.acceleration.z.re,b{0}.acceleration.z.im", i);
+            units += ",m/s^2/N,m/s^2/N";
+            double largest = 0;
+            for (const Complex& one : columns[i]) largest = std::max(largest, std::abs(one));
+            for (Complex& one : columns[i]) {
+                const double re = normal(engine), im = normal(engine);
+                one += share * largest * Complex(re, im);
+            }
+        }
+        std::string text = names + "\n" + units + "\n";
+        for (size_t p = 0; p < points; ++p) {
+            text += fmt::format("{:.17g}", frequencies[p]);
+            for (const auto& column : columns) text += fmt::format(",{:.17g},{:.17g}", column[p].real(), column[p].imag());
+            text += "\n";
+        }
+        return text;
+    }
+};
 
 /// A CSV file of a run with noise: deviation as share of the largest value of all channels.
 inline std::string with_noise(const std::string& history, double share, unsigned seed) {

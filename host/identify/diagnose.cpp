@@ -96,9 +96,13 @@ std::vector<std::string> make_verdict(const Diagnosis& found) {
         say(is_wrong ? fmt::format("No change of the suspects explains the data ({}): the model is wrong in something else",
                                    describe_chi2(found.fit))
                      : "No change is seen");
-        if (!is_wrong)
-            say(fmt::format("A loss of stiffness above {:.2g} % {} would have been", 100 * found.least_seen,
-                            found.unseen.empty() ? "in any suspect" : "in the other suspects"));
+        const char* suspects = found.unseen.empty() ? "suspect" : "other suspect";
+        if (!is_wrong && found.least_seen)
+            say(fmt::format("A loss of stiffness above {:.2g} % in any {} would have been, with a chance of {:g} %",
+                            100 * *found.least_seen, suspects, 100 * kSeen));
+        else if (!is_wrong)
+            say(fmt::format("These data do not show every loss: of some {} even that of nearly all stiffness may be missed",
+                            suspects));
     } else if (is_wrong) {
         say(fmt::format("No single {}element explains the data ({}): what comes nearest is {}",
                         found.candidates.front().elements.size() > 1 ? "element and no pair of the likeliest " : "",
@@ -190,7 +194,7 @@ ExitCode diagnose(const Request& request) {
         {"no_change", {{"chi2", found.unchanged.chi2}, {"delta_bic", found.unchanged.score - found.best_score}}},
         {"ties", found.ties},
         {"unseen", found.unseen},
-        {"least_loss_seen", found.least_seen},
+        {"least_loss_seen", found.least_seen ? Json(*found.least_seen) : Json()},
         {"suspects", suspects.names},
         {"fit", describe_fit(found.fit)},
         {"data", describe_groups(comparison)},

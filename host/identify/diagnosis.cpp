@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -27,7 +28,29 @@ constexpr double kReach = 20;
 // The same where a damping is freed at a minimum of the stiffness: a gain as small as an unknown costs is nearly linear.
 constexpr double kReachOfDamping = 2;
 
+/// Whether the first is the second with factors that are 1 or equal: what a pair has beside it is worth no second unknown
+/// unless the criterion says so.
+bool is_part(const Hypothesis& one, const Hypothesis& whole) {
+    if (whole.are_alike) return false;
+    if (one.are_alike) return one.elements == whole.elements;
+    return one.elements.size() < whole.elements.size() && std::ranges::all_of(one.elements, [&](const std::string& name) {
+               return std::ranges::find(whole.elements, name) != whole.elements.end();
+           });
+}
+
 }  // namespace
+
+/// Of trials of one hypothesis.
+void Diagnostician::keep_first_of_each(std::vector<Trial>& trials) {
+    std::vector<Trial> kept;
+    for (Trial& one : trials)
+        if (std::ranges::none_of(kept, [&](const Trial& other) {
+                return other.hypothesis.elements == one.hypothesis.elements &&
+                       other.hypothesis.are_alike == one.hypothesis.are_alike;
+            }))
+            kept.push_back(std::move(one));
+    trials = std::move(kept);
+}
 
 Diagnostician::Diagnostician(Comparison& comparison, const Unknowns& common, Suspects suspects, int jobs)
     : comparison_(comparison),
@@ -293,15 +316,65 @@ std::vector<Diagnostician::Trial> Diagnostician::fit_pairs(const Trial& null, co
     return fit_all(starts);
 }
 
-void Diagnostician::find_limits(Diagnosis& diagnosis) const {
-    const double needed = kDistinct + std::log(static_cast<double>(comparison_.rows()));
-    const std::vector<double> effects = slopes_.effects();
-    for (size_t s = 0; s < effects.size(); ++s) {
-        if (effects[s] > 0)
-            diagnosis.least_seen = std::max(diagnosis.least_seen, 1 - std::exp(-std::sqrt(needed) / effects[s]));
-        else
-            diagnosis.unseen.push_back(suspects_.names[s]);
+/// Each member of the best pairs alone, from its factor in the pair: a single one may have ended in a minimum of its own.
+std::vector<Diagnostician::Trial> Diagnostician::fit_members(std::span<const Trial> pairs) const {
+    const Eigen::Index common = as_row(common_.size());
+    std::vector<Start> starts;
+    for (const Trial& pair : pairs.first(std::min(kFewestFitted, pairs.size())))
+        for (size_t member = 0; member < pair.hypothesis.elements.size(); ++member) {
+            Eigen::VectorXd from = pair.x.head(common + 1);
+            from(common) = pair.x(common + as_row(member));
+            starts.push_back({{{pair.hypothesis.elements[member]}}, from});
+        }
+    return fit_all(starts);
+}
+
+/// Loss of a suspect at which its change in the data, without what the common unknowns can do, is seen with the chance
+/// kSeen. Its size in standard deviations and noise of 1 are added: their square is the gain. effect: the size per logarithm
+/// of stiffness near the file's value. It falls as a suspect gets softer, so the limit is looked for outwards from there.
+std::optional<double> Diagnostician::find_limit(const Trial& null, size_t suspect, double effect) const {
+    constexpr double kFarther = 1.25;  // steps between which the effect is nearly linear
+    const double needed = std::sqrt(kDistinct + std::log(static_cast<double>(comparison_.rows()))) +
+                          boost::math::quantile(boost::math::normal(), kSeen);
+    const Unknowns unknowns = unknowns_of({{suspects_.names[suspect]}}, false);
+    const Eigen::Index own = null.x.size();
+    Eigen::VectorXd x(own + 1);
+    x << null.x, 0;
+    const double farthest = -unknowns.low()(own);
+    double before = 0, effect_before = 0;
+    for (double gone = std::min(needed / effect, farthest);; gone = std::min(kFarther * gone, farthest)) {
+        x(own) = -gone;
+        const Eigen::VectorXd change =
+            (comparison_.predict(unknowns, x) - null.predicted).cwiseQuotient(comparison_.deviations());
+        const double here = slopes_.beyond_common(change).norm();
+        if (here >= needed)
+            return 1 - std::exp(-(before + (gone - before) * (needed - effect_before) / (here - effect_before)));
+        if (gone >= farthest) return std::nullopt;
+        before = gone;
+        effect_before = here;
     }
+}
+
+/// The largest limit of those that the data show.
+std::optional<double> Diagnostician::least_seen(const Trial& null) const {
+    const std::vector<double> effects = slopes_.effects();
+    const std::vector<TaskResult> limits = map_in_processes(effects.size(), jobs_, [&](size_t suspect) {
+        const std::optional<double> limit =
+            effects[suspect] > 0 ? find_limit(null, suspect, effects[suspect]) : std::optional(0.0);
+        return limit ? std::vector<double>{*limit} : std::vector<double>();
+    });
+    double largest = 0;
+    for (const TaskResult& limit : limits) {
+        if (!limit.reason.empty() || limit.numbers.empty()) return std::nullopt;
+        largest = std::max(largest, limit.numbers.front());
+    }
+    return largest;
+}
+
+void Diagnostician::find_ties(Diagnosis& diagnosis) const {
+    const std::vector<double> effects = slopes_.effects();
+    for (size_t s = 0; s < effects.size(); ++s)
+        if (!(effects[s] > 0)) diagnosis.unseen.push_back(suspects_.names[s]);
     for (const std::vector<size_t>& tied : slopes_.ties()) {
         if (tied.size() < 2) continue;
         std::vector<std::string>& names = diagnosis.ties.emplace_back();
@@ -383,8 +456,12 @@ Diagnosis Diagnostician::diagnose() {
     const Fit single = judge(trials.front());
     const bool is_doubtful = !single.is_explained() || (single.is_noise_assumed && single.chance < kDoubtful);
     if (suspects_.size() > 1 && (is_doubtful || suspects_.size() == 2)) {
-        for (Trial& pair : fit_pairs(null, residual_of_null())) trials.push_back(std::move(pair));
+        const std::vector<Trial> pairs = fit_pairs(null, residual_of_null());
+        std::vector<Trial> members = fit_members(pairs);
+        trials.insert(trials.end(), pairs.begin(), pairs.end());
+        for (Trial& one : members) trials.push_back(std::move(one));
         sort_by_score(trials);
+        keep_first_of_each(trials);
         sharpen();
     }
     const auto rejudge = [&](Trial& one) {
@@ -395,13 +472,26 @@ Diagnosis Diagnostician::diagnose() {
     std::ranges::for_each(trials, rejudge);
     diagnosis.unchanged = null.hypothesis;
     sort_by_score(trials);
-    find_limits(diagnosis);
+    find_ties(diagnosis);
     diagnosis.best_score = std::min(trials.front().hypothesis.score, diagnosis.unchanged.score);
     const bool is_seen = diagnosis.unchanged.score - trials.front().hypothesis.score > kDistinct;
     judge_best(is_seen ? trials.front() : null, diagnosis);
+    if (!is_seen) diagnosis.least_seen = least_seen(null);
     const double least = trials.front().hypothesis.score;
-    const auto end = std::ranges::find_if(
-        trials, [&](const Trial& one) { return !is_seen || one.hypothesis.score - least >= kDistinct; });
+    const auto has_simpler = [&](const Trial& one) {
+        return std::ranges::any_of(trials, [&](const Trial& other) {
+            return other.hypothesis.score <= one.hypothesis.score && is_part(other.hypothesis, one.hypothesis);
+        });
+    };
+    std::vector<bool> are_candidates;
+    for (const Trial& one : trials)
+        are_candidates.push_back(is_seen && one.hypothesis.score - least < kDistinct && !has_simpler(one));
+    std::vector<Trial> sorted;
+    for (const bool is_candidate : {true, false})
+        for (size_t t = 0; t < trials.size(); ++t)
+            if (are_candidates[t] == is_candidate) sorted.push_back(trials[t]);
+    trials = std::move(sorted);
+    const auto end = trials.begin() + std::ranges::count(are_candidates, true);
     const auto candidates = std::span(trials).first(as_size(end - trials.begin()));
     add_intervals(candidates);
     for (size_t t = 0; t < trials.size(); ++t)

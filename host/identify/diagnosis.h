@@ -37,12 +37,17 @@ struct Diagnosis {
     std::vector<std::vector<std::string>> ties;  ///< elements whose change the data show alike
     std::vector<std::string> unseen;             ///< elements whose change the data do not show at all
     std::string step = {};                       ///< a sentence on what the time step does to the best; empty: nothing
-    double least_seen = 0;                       ///< loss of stiffness that would be seen in any element but the unseen
+    /// Where no change is seen: the loss of stiffness that would be, with the chance kSeen, in any element but the unseen.
+    /// None: a change is seen, or no loss of some element would surely be.
+    std::optional<double> least_seen = {};
 };
 
 /// Difference of the criterion from which on two explanations count as distinct. Source: Kass and Raftery (1995), Journal
 /// of the American Statistical Association 90, 773-795: very strong evidence.
 inline constexpr double kDistinct = 10;
+
+/// Chance with which the loss that is told would be seen.
+inline constexpr double kSeen = 0.95;
 
 /// Fits the suspects alone, all suspects with one factor, and pairs where no single one explains the data.
 /// Suspects whose effects are proportional are represented by the first; the others are fitted where it is near the best.
@@ -86,14 +91,18 @@ private:
     std::vector<Start> screen(const Trial& null, std::vector<Start> starts) const;
     void choose_factors(const Trial& null, std::vector<Start>& starts) const;
     Eigen::VectorXd start_of(const Trial& trial) const;
+    static void keep_first_of_each(std::vector<Trial>& trials);
     static void sort_by_score(std::vector<Trial>& trials);
     double score(const Eigen::VectorXd& predicted, size_t unknowns) const;
     std::vector<Hypothesis> singles(const Trial& null, const std::vector<std::vector<size_t>>& classes,
                                     const Eigen::VectorXd& residual) const;
     std::vector<Trial> fit_pairs(const Trial& null, const Eigen::VectorXd& residual);
+    std::vector<Trial> fit_members(std::span<const Trial> pairs) const;
     Fit judge(const Trial& trial) const;
     void judge_best(const Trial& best, Diagnosis& diagnosis) const;
-    void find_limits(Diagnosis& diagnosis) const;
+    void find_ties(Diagnosis& diagnosis) const;
+    std::optional<double> find_limit(const Trial& null, size_t suspect, double effect) const;
+    std::optional<double> least_seen(const Trial& null) const;
     void add_intervals(std::span<Trial> trials) const;
 
     Comparison& comparison_;

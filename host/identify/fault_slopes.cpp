@@ -57,6 +57,10 @@ void FaultSlopes::scale() {
     slopes_ = without(scaled.rightCols(scaled.cols() - count), scaled.leftCols(count));
 }
 
+Eigen::VectorXd FaultSlopes::beyond_common(const Eigen::VectorXd& change) const {
+    return without(change, comparison_.deviations().cwiseInverse().asDiagonal() * changes_.leftCols(as_row(common_.size())));
+}
+
 double FaultSlopes::gain(const std::vector<size_t>& suspects, const Eigen::VectorXd& residual) const {
     std::vector<Eigen::Index> columns;
     for (const size_t s : suspects) {

@@ -32,6 +32,8 @@ public:
     double gain(const std::vector<size_t>& suspects, const Eigen::VectorXd& residual) const;
     /// Pairs of the strongest suspects that promise most, that first.
     std::vector<std::array<size_t, 2>> promising_pairs(const Eigen::VectorXd& residual) const;
+    /// What of a change of the residuals is no mixture of what the common unknowns do.
+    Eigen::VectorXd beyond_common(const Eigen::VectorXd& change) const;
     /// Suspects in classes whose faults the data show alike.
     std::vector<std::vector<size_t>> ties() const;
     /// What the logarithm of each suspect's stiffness does, in standard deviations; 0: the data do not show it.

@@ -124,7 +124,7 @@ TEST_F(Diagnose, ASoftSpringIsFoundFromTheResponseOfItsMass) {
 // springs, in closed form.
 TEST_F(Diagnose, TheRightSpringIsFoundAloneFromResponsesOfTwoMasses) {
     unsigned seed = 20;
-    for (const auto& [spring, factor] : {std::pair(size_t{0}, 0.4), {1, 0.6}, {0, 0.6}, {1, 0.3}})
+    for (const auto& [spring, factor] : {std::pair(size_t{0}, 0.6), {1, 0.3}})
         for (const SprungMasses& file : {SprungMasses{{10.5, 15.8}, {51000, 842000}, {1.42, 97.96}},
                                          {{6.7, 13.4}, {720000, 229000}, {127.43, 11.56}}}) {
             const nlohmann::json found = diagnose_response(file, spring, factor, 0.01, seed++);

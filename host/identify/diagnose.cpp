@@ -165,6 +165,16 @@ void print(const Diagnosis& found, const std::vector<std::string>& verdict, cons
     fmt::print("\n{}; {} points\n", describe_noise(comparison), comparison.rows());
 }
 
+/// A plan has no measured data and no run: options about these would not count.
+void refuse_options_of_data(const Request& request) {
+    for (const auto& [option, value] : request.given) {
+        const std::string name = option->name();
+        const bool is_of_data = option->commands == (kIdentify | kDiagnose) && name != "--channels";
+        if (is_of_data || name == "--step" || name == "--coupling" || name == "--in")
+            throw Error(ExitCode::usage, fmt::format("{} does not go with --plan, which has no measured data", name));
+    }
+}
+
 }  // namespace
 
 ExitCode diagnose(const Request& request) {
@@ -175,7 +185,10 @@ ExitCode diagnose(const Request& request) {
     overrides.purpose = Purpose::modes;
     const Model model = read_model(request.model, plugins.catalogue(), overrides);
     const Suspects suspects = find_suspects(request, model, plugins.catalogue());
-    if (request.fit.is_plan) return plan_test(request, plugins, suspects.names);
+    if (request.fit.is_plan) {
+        refuse_options_of_data(request);
+        return plan_test(request, plugins, suspects.names);
+    }
     const Observations observations = read_observations(request, model, plugins, warnings);
     const Unknowns common(request, model, plugins.catalogue(), observations.channel_names());
     Comparison comparison(request, observations, plugins);

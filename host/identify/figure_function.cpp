@@ -12,6 +12,7 @@
 #include "model/index.h"
 #include "model/wording.h"
 #include "study/case_runner.h"
+#include "study/plan.h"
 
 namespace dttmm::host {
 
@@ -32,6 +33,7 @@ FigureFunction::FigureFunction(const Request& request, const Model& model, const
                                const std::vector<std::string>& parameters, const std::vector<std::string>& figures)
     : plugins_(plugins) {
     plan_.command = command_of(request, figures);
+    refuse_options_beside(request, plan_.command, "gives these figures");
     plan_.request = request;
     plan_.request.study.variations.clear();
     plan_.request.modes.is_damped =

@@ -165,16 +165,15 @@ unsigned bit_of(const std::string& command) {
                                              suggestion(command, {"run", "modes", "response"})));
 }
 
-/// An option of another command would be read and then not count.
-void refuse_strange_options(const Request& request, const std::string& command) {
+}  // namespace
+
+void refuse_options_beside(const Request& request, const std::string& command, const std::string& what) {
+    constexpr unsigned kEvery = kRun | kModes | kResponse;
     const unsigned bit = bit_of(command);
     for (const auto& [option, value] : request.given)
-        if (option->changes_results && !(option->commands & bit))
-            throw Error(ExitCode::usage,
-                        fmt::format("{} is no option of {}, which every case of this study does", option->name(), command));
+        if (option->changes_results && (option->commands & kEvery) && !(option->commands & bit))
+            throw Error(ExitCode::usage, fmt::format("{} is no option of {}, which {}", option->name(), command, what));
 }
-
-}  // namespace
 
 CaseTable make_cases(const Request& request, const Model& model) {
     const int ways = !request.study.variations.empty() + !request.sweeps.empty() + !request.study.table.empty();
@@ -204,7 +203,7 @@ CaseTable make_cases(const Request& request, const Model& model) {
 StudyPlan make_plan(const Request& request, const Model& model, const Plugins& plugins) {
     StudyPlan plan;
     plan.command = request.study.work.empty() ? "run" : request.study.work;
-    refuse_strange_options(request, plan.command);
+    refuse_options_beside(request, plan.command, "every case of this study does");
     plan.request = request;
     plan.figures = request.study.figures;
     plan.parameters = model.parameters;

@@ -315,6 +315,7 @@ TEST_F(Diagnose, RefusesWrongSuspects) {
     };
     EXPECT_THAT(fault({}), HasSubstr("--suspects"));
     EXPECT_THAT(fault({"--suspects", "nut*"}), HasSubstr("no element \"nut*\""));
+    EXPECT_THAT(fault({"--suspects", "bolt*", "--plan"}), HasSubstr("--measured does not go with --plan"));
 }
 
 }  // namespace

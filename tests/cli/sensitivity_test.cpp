@@ -370,6 +370,10 @@ TEST_F(LocalSensitivities, RefuseWhatTheyCannotDo) {
     EXPECT_THAT(fault({"sensitivity", "model.toml", "--of", "mode1.frequency", "--by", "q"}), HasSubstr("\"q\""));
     EXPECT_THAT(fault({"optimise", "model.toml", "--goal", "low mode1.frequency", "--by", "k1 in 1..2"}),
                 HasSubstr("min FIGURE"));
+    EXPECT_THAT(fault({"sensitivity", "model.toml", "--of", "mode1.frequency", "--by", "k1", "--rpm", "100..200"}),
+                HasSubstr("--rpm is no option of modes"));
+    EXPECT_THAT(fault({"optimise", "model.toml", "--goal", "min mode1.frequency", "--by", "k1 in 0.5..2", "--step", "1 ms"}),
+                HasSubstr("--step is no option of modes"));
     EXPECT_THAT(fault({"optimise", "model.toml", "--goal", "min mode*.frequency", "--by", "k1 in 1..2"}),
                 HasSubstr("name one"));
     EXPECT_THAT(fault({"optimise", "model.toml", "--goal", "min mode1.frequency", "--by", "k1"}),

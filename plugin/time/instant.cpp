@@ -58,20 +58,24 @@ Vector6 Instant::deformation_rate(size_t j, const JointPose& at) const {
 
 /// Newmark's rule has (a_n + a_{n+1})/2 as the acceleration over a step, so elastic forces are means of its two ends and
 /// dampers have the mean rate.
+/// Mean rate of its deformation over the step last committed, of its dampers; else zero.
+Vector6 Instant::rate_over_step(size_t j) const {
+    Vector6 rate = Vector6::Zero();
+    if (const DamperState* damper = mechanism_.damper(j)) {
+        rate << damper->halves[0].delta[0], damper->halves[1].delta[0];
+        rate /= mechanism_.scheme.step_size();
+    }
+    return rate;
+}
+
 void Instant::find_mean_wrenches() {
-    const double h = mechanism_.scheme.step_size();
     std::ranges::fill(wrenches_, Vector6::Zero());
     by_four_.add_mean_forces(mechanism_, wrenches_);
     for (size_t j : others_) {
         const Joint& joint = mechanism_.joints[j];
         const JointState& state = mechanism_.states[j];  // d_before is that at t_n
         const Vector6 x = state.deformation_before();
-        Vector6 rate = Vector6::Zero();
-        if (const DamperState* damper = mechanism_.damper(j)) {
-            rate << damper->halves[0].delta[0], damper->halves[1].delta[0];
-            rate /= h;
-        }
-        Vector6 f = joint.force(x, rate, mechanism_.memory_before(j), 0.5);
+        Vector6 f = joint.force(x, rate_over_step(j), mechanism_.memory_before(j), 0.5);
         if (joint.has_laws()) f += joint.beyond_mean(mechanism_.scheme, x, state.deformation(), mechanism_.memory_before(j));
         if (joint.rigid().any()) f += interior_->instant().rigid_force_over_step(j);
         JointForce force = pose(j).act(f);
@@ -147,6 +151,22 @@ void Instant::add_rigid_wrenches(double* wrench) const {
         const Joint& joint = mechanism_.joints[j];
         if (joint.rigid().none() || std::min(joint.from(), joint.to()) >= bodies_.count()) continue;
         bodies_.add_wrench(joint, pose(j).act(interior_->instant().rigid_force_over_step(j)), wrench);
+    }
+}
+
+void Instant::add_turned_dampers(double* wrench) const {
+    for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
+        const Joint& joint = mechanism_.joints[j];
+        if (!mechanism_.damper(j) || std::min(joint.from(), joint.to()) >= bodies_.count()) continue;
+        const JointState& state = mechanism_.states[j];
+        const FrameView from = mechanism_.frames[as_size(joint.from())], to = mechanism_.frames[as_size(joint.to())];
+        const auto damping = [&](const Vector6& x) {
+            return joint.force(x, rate_over_step(j), mechanism_.memory_before(j), 0);
+        };
+        JointForce half;
+        half.add(0.5, joint.pose(from, to).act(damping(state.deformation())));
+        half.add(-0.5, pose(j).act(damping(state.deformation_before())));
+        bodies_.add_wrench(joint, half, wrench);
     }
 }
 

@@ -32,6 +32,9 @@ public:
     void add_wrenches(double* wrench) const;
     /// What of the mean wrenches stems from rigid directions.
     void add_rigid_wrenches(double* wrench) const;
+    /// What makes the mean wrenches those of dampers in the mean of the axes at both ends of the step: they act in those at
+    /// its start, where velocities are found.
+    void add_turned_dampers(double* wrench) const;
 
     const Vector6& force(size_t joint) const { return forces_[joint]; }
     const Vector6& wrench(int frame) const { return wrenches_[as_size(frame)]; }
@@ -39,6 +42,7 @@ public:
 private:
     Twist velocity(int frame) const;
     JointPose pose(size_t joint) const;
+    Vector6 rate_over_step(size_t joint) const;
     Vector6 deformation_rate(size_t joint, const JointPose& pose) const;
     void add_wrench(size_t joint, const JointForce& force);
     void find_forces();

@@ -320,7 +320,10 @@ void Machine::commit_step(const dttmm_motion* accepted) {
     if (supports_.empty()) return;
     supports_.commit_step();
     std::ranges::fill(joined_->wrenches, 0.0);
-    for_each(*this, [&](const Part& part) { part.network.mean_wrench(joined_->wrenches.data()); });
+    for_each(*this, [&](const Part& part) {
+        part.network.mean_wrench(joined_->wrenches.data());
+        part.network.add_turned_dampers(joined_->wrenches.data());
+    });
     std::ranges::fill(joined_->numbers, 0.0);
     for_each(*this, [&](const Part& part) { part.network.add_rigid_wrenches(joined_->numbers.data()); });
     supports_.add_work(&joined_->wrenches[6 * size_t{body_count_}], &joined_->numbers[6 * size_t{body_count_}]);

@@ -67,6 +67,7 @@ public:
     void take_rates_by_increments() { instant_.take_rates_by_increments(); }
     /// Adds what of the mean wrench stems from rigid directions: their forces at the start of that step.
     void add_rigid_wrenches(double* wrench) const { instant_.add_rigid_wrenches(wrench); }
+    void add_turned_dampers(double* wrench) const { instant_.add_turned_dampers(wrench); }
 
     // At rest, see dttmm_static.h
     void begin_statics();

@@ -323,6 +323,55 @@ section = { EA = 2e6, EIy = 0.4, EIz = 0.4, GJ = 1e3, mass = 0.05, inertia = 1e-
     }
 }
 
+/// A body on springs; `more` between it and a support that moves aside.
+double residual_beside_a_moving_support(const std::string& more, const char* step) {
+    const auto row = final_row(fmt::format(R"(format = "dttmm/1"
+[simulation]
+duration = 0.2
+step = {}
+[nodes]
+f = {{ position = [0, 0, 0.3], fixed = ["x", "y", "z", "rx", "ry", "rz"], motion = {{ x = {{ type = "step", to = 0.3, start = 0, end = 0.12 }} }} }}
+[[body]]
+name = "n"
+mass = 2
+inertia = [0.02, 0.03, 0.025]
+markers = {{ m = [0.1, 0.2, 0.1] }}
+[[element]]
+name = "under"
+type = "spring_damper"
+from = "ground"
+to = "n"
+stiffness = [8000, 8000, 8000]
+rotational_stiffness = [100, 100, 100]
+[[element]]
+name = "across"
+{})",
+                                           step, more));
+    EXPECT_GT(row.at("energy.work"), 40);
+    return row.at("energy.residual") / row.at("energy.work");
+}
+
+// Oracle: energy is kept. The axes of these dampers turn with what they join.
+TEST(Supports, WorkBesideDampersThatTurnIsOfSecondOrder) {
+    for (const char* more : {R"(type = "axial_spring"
+from = "f"
+to = "n"
+stiffness = 5000
+damping = 500
+)",
+                             R"(type = "spring_damper"
+from = "n.m"
+to = "f"
+stiffness = [5000, 4000, 3000]
+damping = [300, 200, 100]
+)"}) {
+        const double coarse = residual_beside_a_moving_support(more, "0.002"),
+                     fine = residual_beside_a_moving_support(more, "0.001");
+        EXPECT_LT(std::abs(fine), 1e-4) << more;
+        EXPECT_NEAR(coarse / fine, 4, 0.5) << more;
+    }
+}
+
 TEST(Supports, WhatIsRefused) {
     const auto error_of = [](const std::string& text, const char* command) {
         const TemporaryFolder folder;

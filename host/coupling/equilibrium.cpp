@@ -196,8 +196,9 @@ Equilibrium::Correction Equilibrium::correct(double factor) {
 Equilibrium::Correction Equilibrium::try_resistance(double factor) {
     solve(factor);
     const Networks::StaticMeasure inside = networks_.correct_static(change_.data());
-    // Of the sum of its parts. Where joints contradict each other their forces grow, and 1e-9 of the parts is rounding.
-    // Range 1e-9 (at 1e-10 Statics.AnchorsThatTheFileRounds...) to 1e-2, none fails.
+    // Work below this share of the sum of its parts is rounding. Where joints contradict each other their forces grow, and
+    // rounding is 1e-9 of the parts. Range 1e-9 (at 1e-10 Statics.AnchorsThatTheFileRounds...) to 1e-2; no test bounds it
+    // there.
     constexpr double kWorkRounding = 1e-8;
     Correction all;
     all.work = inside.work;

@@ -88,7 +88,8 @@ std::string name_of(const Hypothesis& one) {
     return text;
 }
 
-std::vector<std::string> make_verdict(const Diagnosis& found) {
+/// suspects: how many there are.
+std::vector<std::string> make_verdict(const Diagnosis& found, size_t suspects) {
     std::vector<std::string> verdict;
     const auto say = [&](std::string text) { verdict.push_back(std::move(text)); };
     const bool is_wrong = found.fit.freedom > 0 && !found.fit.is_explained();
@@ -96,13 +97,13 @@ std::vector<std::string> make_verdict(const Diagnosis& found) {
         say(is_wrong ? fmt::format("No change of the suspects explains the data ({}): the model is wrong in something else",
                                    describe_chi2(found.fit))
                      : "No change is seen");
-        const char* suspects = found.unseen.empty() ? "suspect" : "other suspect";
+        const char* others = found.unseen.empty() ? "suspect" : "other suspect";
         if (!is_wrong && found.least_seen)
             say(fmt::format("A loss of stiffness above {:.2g} % in any {} would have been, with a chance of {:g} %",
-                            100 * *found.least_seen, suspects, 100 * kSeen));
-        else if (!is_wrong)
+                            100 * *found.least_seen, others, 100 * kSeen));
+        else if (!is_wrong && found.unseen.size() < suspects)
             say(fmt::format("These data do not show every loss: of some {} even that of nearly all stiffness may be missed",
-                            suspects));
+                            others));
     } else if (is_wrong) {
         say(fmt::format("No single {}element explains the data ({}): what comes nearest is {}",
                         found.candidates.front().elements.size() > 1 ? "element and no pair of the likeliest " : "",
@@ -193,7 +194,7 @@ ExitCode diagnose(const Request& request) {
     const Unknowns common(request, model, plugins.catalogue(), observations.channel_names());
     Comparison comparison(request, observations, plugins);
     const Diagnosis found = Diagnostician(comparison, common, suspects, request.jobs).diagnose();
-    const std::vector<std::string> verdict = make_verdict(found);
+    const std::vector<std::string> verdict = make_verdict(found, suspects.size());
 
     const ResultsFolder folder(results_path(request, "-diagnose"));
     Json candidates = Json::array(), others = Json::array();

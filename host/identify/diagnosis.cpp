@@ -40,7 +40,7 @@ bool is_part(const Hypothesis& one, const Hypothesis& whole) {
 
 }  // namespace
 
-/// Of trials of one hypothesis.
+/// Of several trials of one hypothesis the first stays.
 void Diagnostician::keep_first_of_each(std::vector<Trial>& trials) {
     std::vector<Trial> kept;
     for (Trial& one : trials)
@@ -358,6 +358,7 @@ std::optional<double> Diagnostician::find_limit(const Trial& null, size_t suspec
 /// The largest limit of those that the data show.
 std::optional<double> Diagnostician::least_seen(const Trial& null) const {
     const std::vector<double> effects = slopes_.effects();
+    if (std::ranges::none_of(effects, [](double effect) { return effect > 0; })) return std::nullopt;
     const std::vector<TaskResult> limits = map_in_processes(effects.size(), jobs_, [&](size_t suspect) {
         const std::optional<double> limit =
             effects[suspect] > 0 ? find_limit(null, suspect, effects[suspect]) : std::optional(0.0);

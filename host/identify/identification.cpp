@@ -27,8 +27,9 @@ constexpr double kSame = 1e-3;         // distance of coordinates: one minimum
 constexpr double kNear = 0.01;         // the same, of minima of a short window
 constexpr double kFarWorse = 4;        // times the least chi2 of a short window: no minimum of the long one
 constexpr double kFirstWindow = 0.25;  // share of a history: a short one has fewer side minima
-constexpr int kDescended = 4;          // of the starting points of histories and responses: in one go, nearest first
-constexpr int kNoiseRounds = 2;        // estimates of noise from residuals, each followed by a fit
+constexpr int kDescended =
+    4;  // starting points of histories and responses that are descended from together, the nearest first
+constexpr int kNoiseRounds = 2;  // estimates of noise from residuals, each followed by a fit
 
 void sort_by_chi2(std::vector<Minimum>& minima) {
     std::ranges::stable_sort(minima, [](const Minimum& a, const Minimum& b) { return a.chi2() < b.chi2(); });

@@ -191,19 +191,28 @@ std::vector<std::string> parameters_of(const Request& request, const Model& mode
 
 /// How far figures scatter with parameters that scatter as --vary says.
 struct Scatter {
-    Eigen::VectorXd linear;  ///< standard deviations by the slopes
-    Eigen::VectorXd sampled, mean;
+    Eigen::VectorXd linear;   ///< standard deviations by the slopes
+    Eigen::VectorXd sampled;  ///< by cases, without what so few draws make of a linear figure's
+    Eigen::VectorXd mean;
     Eigen::Index cases = 0, failed = 0;
 };
 
+double mean_of(const std::vector<double>& values) {
+    double mean = 0;
+    for (const double value : values) mean += value / static_cast<double>(values.size());
+    return mean;
+}
+
+double standard_deviation(const std::vector<double>& values) {
+    const double mean = mean_of(values);
+    double squares = 0;
+    for (const double value : values) squares += (value - mean) * (value - mean) / static_cast<double>(values.size());
+    return std::sqrt(squares);
+}
+
 double deviation_of(const Distribution& one) {
     if (one.kind == Distribution::Kind::uniform) return (one.high - one.low) / std::sqrt(12.0);
-    if (one.kind != Distribution::Kind::list) return one.deviation;
-    double mean = 0, squares = 0;
-    for (const double value : one.values) mean += value / static_cast<double>(one.values.size());
-    for (const double value : one.values)
-        squares += (value - mean) * (value - mean) / static_cast<double>(one.values.size());
-    return std::sqrt(squares);
+    return one.kind == Distribution::Kind::list ? standard_deviation(one.values) : one.deviation;
 }
 
 Scatter find_scatter(const Request& request, const Model& model, const FigureFunction& function,
@@ -225,28 +234,29 @@ Scatter find_scatter(const Request& request, const Model& model, const FigureFun
     points.rowwise() = function.nominal().transpose();
     Scatter scatter;
     scatter.linear = Eigen::VectorXd::Zero(local.figures.size());
+    const Eigen::MatrixXd slopes = local.slopes * function.nominal().cwiseInverse().asDiagonal();
     for (Eigen::Index p = 0; p < count; ++p) {
         if (!varies[as_size(p)]) continue;
         for (Eigen::Index i = 0; i < kCheckCases; ++i) points(i, p) = distributions[as_size(p)].quantile(shares(i, p));
         const double deviation = deviation_of(distributions[as_size(p)]);
-        scatter.linear.array() += (local.slopes.col(p).array() / function.nominal()(p) * deviation).square();
+        scatter.linear += (slopes.col(p) * deviation).cwiseAbs2();
     }
     scatter.linear = scatter.linear.cwiseSqrt();
     std::string failure;
     const Eigen::MatrixXd figures = function.evaluate(points, request.jobs, failure);
     scatter.sampled = scatter.mean = Eigen::VectorXd::Zero(figures.cols());
     for (Eigen::Index f = 0; f < figures.cols(); ++f) {
-        double sum = 0, squares = 0, done = 0;
-        for (const double value : figures.col(f)) {
-            if (std::isnan(value)) continue;
-            sum += value;
-            squares += value * value;
-            ++done;
+        std::vector<double> own, by_slopes;  // of each case
+        for (Eigen::Index i = 0; i < kCheckCases; ++i) {
+            if (std::isnan(figures(i, f))) continue;
+            own.push_back(figures(i, f));
+            by_slopes.push_back(slopes.row(f).dot(points.row(i) - function.nominal().transpose()));
         }
-        scatter.mean(f) = sum / done;
-        scatter.sampled(f) = std::sqrt(std::max(0.0, squares / done - scatter.mean(f) * scatter.mean(f)));
+        scatter.mean(f) = mean_of(own);
+        const double drawn = standard_deviation(by_slopes);
+        scatter.sampled(f) = standard_deviation(own) * (drawn > 0 ? scatter.linear(f) / drawn : 1);
         scatter.cases = kCheckCases;
-        scatter.failed = std::max(scatter.failed, kCheckCases - static_cast<Eigen::Index>(done));
+        scatter.failed = std::max(scatter.failed, kCheckCases - as_row(own.size()));
     }
     return scatter;
 }

@@ -67,8 +67,8 @@ std::vector<Vector6> strain_by_direction(const FrequencyModel& model, const Fram
 }
 
 /// Of what forces do as they turn, which cancels where nothing holds: share of the sum of its terms, and of the largest such
-/// stiffness in the machine, for a force may be zero but for rounding of others. Range 1 (at 1/20
-/// PreloadedModes.ABodyOnABall...) to 5e5 roundings (at 5e7 ModesAtRest.ALineUnderItsOwnWeight).
+/// stiffness in the machine, for a force may be zero but for rounding of others.
+/// Range 1 (at 1/20 PreloadedModes.ABodyOnABall...) to 5e5 epsilons (at 5e7 ModesAtRest.ALineUnderItsOwnWeight).
 constexpr double kTurningRounding = 16 * std::numeric_limits<double>::epsilon();
 
 std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector& u) {

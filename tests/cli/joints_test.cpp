@@ -192,7 +192,7 @@ anchor = [2, 0, 0]
 axis = [0, 0, 1]
 )";
 
-// The warning says at what time equations were let go: the closed form has the bars in one line at 0.712 s.
+/// A carriage on a rail that goes to its stop, with a load on a spring.
 std::string slider_on_its_stop(const char* anchor, const char* step) {
     return fmt::format(R"(format = "dttmm/1"
 [simulation]
@@ -240,6 +240,7 @@ TEST(Joints, AStopBesideTheBodysCentreLetsGoAlike) {
     }
 }
 
+// The warning says at what time equations were let go: the closed form has the bars in one line at 0.712 s.
 TEST(Joints, ASingularPositionIsPassedWithAWord) {
     const TemporaryFolder folder;
     write_text(folder / "m.toml", kParallelogram);

@@ -279,15 +279,18 @@ TEST_F(LocalSensitivities, WhyHistoriesAreDifferencesIsTold) {
     EXPECT_THAT(json["reason"].get<std::string>(), HasSubstr("tolerance"));
 }
 
-// Oracle: of a linear figure the deviation is the slope times the scatter; the check by cases agrees.
+// Oracle: of a linear figure the deviation is the slope times the scatter; the check by cases agrees. f4 bends by 0.3 of its
+// slope per unit of ln k, which is nothing beside a scatter of 0.01 %.
 TEST_F(LocalSensitivities, ScatterByTheSlopesAndByCases) {
-    const nlohmann::json json =
-        run("sensitivity", {"--of", "mode4.frequency", "--by", "k1", "--vary", "k1..k4 ~ normal(500 N/mm, 2 %)"});
-    const nlohmann::json& one = json["figures"][0];
-    const double f = one["value"].get<double>();
-    EXPECT_NEAR(one["scatter"]["linear"].get<double>() / f, 0.02 * 0.125 * 2, 2e-4 * 0.02);
-    EXPECT_NEAR(one["scatter"]["sampled"].get<double>() / one["scatter"]["linear"].get<double>(), 1, 0.1);
-    EXPECT_THAT(said_, HasSubstr("of 200 cases, 0 of which failed"));
+    for (const auto& [share, bound] : {std::pair(0.02, 0.02), std::pair(2e-3, 1e-3)}) {
+        const nlohmann::json json = run("sensitivity", {"--of", "mode4.frequency", "--by", "k1..k4", "--vary",
+                                                        fmt::format("k1..k4 ~ normal(500 N/mm, {} %)", 100 * share)});
+        const nlohmann::json& one = json["figures"][0];
+        const double f = one["value"].get<double>();
+        EXPECT_NEAR(one["scatter"]["linear"].get<double>() / f, share * 0.125 * 2, 1e-3 * share);
+        EXPECT_NEAR(one["scatter"]["sampled"].get<double>() / one["scatter"]["linear"].get<double>(), 1, bound) << share;
+        EXPECT_THAT(said_, HasSubstr("of 200 cases, 0 of which failed"));
+    }
 }
 
 // Oracle: f4 grows with each stiffness, so its least value has all at the lower end, f sqrt(1/2) times the file's.

@@ -100,7 +100,7 @@ std::vector<std::string> make_verdict(const Diagnosis& found, size_t suspects) {
         const char* others = found.unseen.empty() ? "suspect" : "other suspect";
         if (!is_wrong && found.least_seen)
             say(fmt::format("A loss of stiffness above {:.2g} % in any {} would have been, with a chance of {:g} %",
-                            100 * *found.least_seen, others, 100 * kSeen));
+                            100 * *found.least_seen, others, 100 * kSureChance));
         else if (!is_wrong && found.unseen.size() < suspects)
             say(fmt::format("These data do not show every loss: of some {} even that of nearly all stiffness may be missed",
                             others));

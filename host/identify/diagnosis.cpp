@@ -330,12 +330,13 @@ std::vector<Diagnostician::Trial> Diagnostician::fit_members(std::span<const Tri
 }
 
 /// Loss of a suspect at which its change in the data, without what the common unknowns can do, is seen with the chance
-/// kSeen. Its size in standard deviations and noise of 1 are added: their square is the gain. effect: the size per logarithm
-/// of stiffness near the file's value. It falls as a suspect gets softer, so the limit is looked for outwards from there.
+/// kSureChance. Its size in standard deviations and noise of 1 are added: their square is the gain. effect: the size per
+/// logarithm of stiffness near the file's value. It falls as a suspect gets softer, so the limit is looked for outwards from
+/// there.
 std::optional<double> Diagnostician::find_limit(const Trial& null, size_t suspect, double effect) const {
     constexpr double kFarther = 1.25;  // steps between which the effect is nearly linear
     const double needed = std::sqrt(kDistinct + std::log(static_cast<double>(comparison_.rows()))) +
-                          boost::math::quantile(boost::math::normal(), kSeen);
+                          boost::math::quantile(boost::math::normal(), kSureChance);
     const Unknowns unknowns = unknowns_of({{suspects_.names[suspect]}}, false);
     const Eigen::Index own = null.x.size();
     Eigen::VectorXd x(own + 1);

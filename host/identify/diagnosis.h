@@ -37,8 +37,8 @@ struct Diagnosis {
     std::vector<std::vector<std::string>> ties;  ///< elements whose change the data show alike
     std::vector<std::string> unseen;             ///< elements whose change the data do not show at all
     std::string step = {};                       ///< a sentence on what the time step does to the best; empty: nothing
-    /// Where no change is seen: the loss of stiffness that would be, with the chance kSeen, in any element but the unseen.
-    /// None: a change is seen, or no loss of some element would surely be.
+    /// Where no change is seen: the loss of stiffness that would be, with the chance kSureChance, in any element but the
+    /// unseen. None: a change is seen, or no loss of some element would surely be.
     std::optional<double> least_seen = {};
 };
 
@@ -46,8 +46,8 @@ struct Diagnosis {
 /// of the American Statistical Association 90, 773-795: very strong evidence.
 inline constexpr double kDistinct = 10;
 
-/// Chance with which the loss that is told would be seen.
-inline constexpr double kSeen = 0.95;
+/// Chance with which the loss that is printed would be seen.
+inline constexpr double kSureChance = 0.95;
 
 /// Fits the suspects alone, all suspects with one factor, and pairs where no single one explains the data.
 /// Suspects whose effects are proportional are represented by the first; the others are fitted where it is near the best.

@@ -134,8 +134,8 @@ TEST_F(Diagnose, TheRightSpringIsFoundAloneFromResponsesOfTwoMasses) {
         }
 }
 
-// Oracle: of losses as large as the one that is told about 95 % are seen: 20 data sets with noise of their own. The effect
-// of a loss is far from linear here.
+// Oracle: of losses as large as the one that is printed about 95 % are seen: 20 data sets with noise of their own. The
+// effect of a loss is far from linear here.
 TEST_F(Diagnose, ALossAtTheLimitThatIsToldIsSeen) {
     constexpr const char* kSensor = "plate.corner1.acceleration.z";
     std::string brief = struck_plate();

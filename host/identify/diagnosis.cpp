@@ -334,7 +334,7 @@ std::vector<Diagnostician::Trial> Diagnostician::fit_members(std::span<const Tri
 /// logarithm of stiffness near the file's value. It falls as a suspect gets softer, so the limit is looked for outwards from
 /// there.
 std::optional<double> Diagnostician::find_limit(const Trial& null, size_t suspect, double effect) const {
-    constexpr double kFarther = 1.25;  // steps between which the effect is nearly linear
+    constexpr double kFarther = 1.25;  // steps between which the effect is nearly linear. 1.05 to 2.5 serve
     const double needed = std::sqrt(kDistinct + std::log(static_cast<double>(comparison_.rows()))) +
                           boost::math::quantile(boost::math::normal(), kSureChance);
     const Unknowns unknowns = unknowns_of({{suspects_.names[suspect]}}, false);

@@ -27,6 +27,7 @@ std::atomic<int> complaints{0};
 constexpr double kSoftness = 1e-10;
 
 /// A force along a joint's coordinate that is a smaller share of the joint's force is rounding.
+/// Range 1e-15 or less to 1e-6 or more: no test bounds it.
 constexpr double kForceRounding = 1e-12;
 
 std::string format_text(const char* text, va_list arguments) {

@@ -136,7 +136,7 @@ TEST_F(Diagnose, TheRightSpringIsFoundAloneFromResponsesOfTwoMasses) {
 
 // Oracle: of losses as large as the one that is printed about 95 % are seen: 20 data sets with noise of their own. The
 // effect of a loss is far from linear here.
-TEST_F(Diagnose, ALossAtTheLimitThatIsToldIsSeen) {
+TEST_F(Diagnose, ALossAtThePrintedLimitIsSeen) {
     constexpr const char* kSensor = "plate.corner1.acceleration.z";
     std::string brief = struck_plate();
     brief.replace(brief.find("0.5 s"), 5, "0.1 s");

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <functional>
 #include <memory>
 #include <numeric>
+#include <unordered_set>
 
 #include "core/error.h"
 #include "core/index.h"
@@ -32,6 +34,18 @@ struct Part {
     FrameSpec frame;
     Pose pose;      ///< axes and, without a mass, the origin of the frame
     int body = -1;  ///< that it is a point of
+};
+
+/// Finds laws by their values.
+struct OfLaw {
+    size_t operator()(const std::shared_ptr<const JointLaw>& law) const {
+        size_t hash = 0;
+        for (const double k : {law->stiffness.sum(), law->damping.sum()}) hash = 31 * hash + std::hash<double>()(k);
+        return hash;
+    }
+    bool operator()(const std::shared_ptr<const JointLaw>& a, const std::shared_ptr<const JointLaw>& b) const {
+        return *a == *b;
+    }
 };
 
 class Assembler {
@@ -159,9 +173,14 @@ private:
         };
         assembly_.first_joint.push_back(as_int(assembly_.joints.size()));
         for (const JointPart& joint : parts.joints) {
-            if (!law_ || (law_ != joint.law && *law_ != *joint.law)) law_ = joint.law;
-            assembly_.joints.push_back({e, station(joint.from), station(joint.to), law_, joint.pose});
+            assembly_.joints.push_back({e, station(joint.from), station(joint.to), shared(joint.law), joint.pose});
         }
+    }
+
+    /// Joints that are alike have one law.
+    std::shared_ptr<const JointLaw> shared(const std::shared_ptr<const JointLaw>& law) {
+        if (last_law_ != law && !(last_law_ && *last_law_ == *law)) last_law_ = *laws_.insert(law).first;
+        return last_law_;
     }
 
     std::unique_ptr<const Element> make(int e) const {
@@ -355,7 +374,8 @@ private:
     const std::span<const int> supported_by_;
     std::vector<Part> parts_;  ///< the nodes, then the lumps of the elements
     std::vector<std::pair<int, int>> welds_;
-    std::shared_ptr<const JointLaw> law_;  ///< of the joint before: joints in succession that are alike share one
+    std::unordered_set<std::shared_ptr<const JointLaw>, OfLaw, OfLaw> laws_;  ///< no two are alike
+    std::shared_ptr<const JointLaw> last_law_;                                ///< of the joint before
     Assembly assembly_;
 };
 

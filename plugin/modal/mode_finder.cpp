@@ -283,16 +283,25 @@ void ModeFinder::find_rigid(int count, double lowest) {
 bool ModeFinder::refine(const Interval& interval) {
     const size_t known = modes_.size();
     int before = interval.before;
-    for (Cluster& cluster : approximate(interval)) {
-        const double bracket = converge(cluster) ? confirm(cluster, before) : 0;
-        if (bracket == 0) {
+    for (Cluster& cluster : approximate(interval))
+        if (!prove(cluster, before)) {
             modes_.resize(known);
             return false;
         }
-        before += as_int(cluster.shapes.size());
-        add(std::move(cluster), bracket);
-    }
     return before == interval.until;
+}
+
+/// Takes the frequencies of a group into the list, those that are equal together. before: the count below it, then above it.
+bool ModeFinder::prove(Cluster& near, int& before) {
+    if (!converge(near)) return false;
+    while (!near.shapes.empty()) {
+        Cluster equal = take_equal(near);
+        const double bracket = confirm(equal, before);
+        if (bracket == 0) return false;
+        before += as_int(equal.shapes.size());
+        add(std::move(equal), bracket);
+    }
+    return true;
 }
 
 /// Groups of frequencies next to each other in an interval, from its middle; nothing: others were found.
@@ -327,7 +336,21 @@ bool ModeFinder::converge(Cluster& cluster) {
         for (size_t k = 0; k < next.size(); ++k) change = std::max(change, std::abs(next[k] - cluster.lambdas[k]) / next[k]);
         cluster.lambdas = next;
     }
-    return cluster.lambdas.back() <= cluster.lambdas.front() * (1 + 2 * kEqual) + kSplit * stiffness_.stiffest();
+    return true;
+}
+
+/// The first frequencies of a group of near ones that count as equal.
+ModeFinder::Cluster ModeFinder::take_equal(Cluster& near) const {
+    size_t count = 1;
+    const auto is_equal = [&](double a, double b) { return b <= a * (1 + 2 * kEqual) + kSplit * stiffness_.stiffest(); };
+    while (count < near.lambdas.size() && is_equal(near.lambdas[count - 1], near.lambdas[count])) ++count;
+    const auto n = static_cast<std::ptrdiff_t>(count);
+    Cluster equal{{near.lambdas.begin(), near.lambdas.begin() + n},
+                  {std::move_iterator(near.shapes.begin()), std::move_iterator(near.shapes.begin() + n)},
+                  near.cuts};
+    near.lambdas.erase(near.lambdas.begin(), near.lambdas.begin() + n);
+    near.shapes.erase(near.shapes.begin(), near.shapes.begin() + n);
+    return equal;
 }
 
 /// The count on both sides of a cluster, as near as it can tell: the share of ω; 0: it says otherwise.

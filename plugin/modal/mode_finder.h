@@ -73,7 +73,9 @@ private:
     std::vector<double> approach(std::vector<FrameVector>& shapes, double lambda);
     bool refine(const Interval& interval);
     std::vector<Cluster> approximate(const Interval& interval);
+    bool prove(Cluster& near, int& before);
     bool converge(Cluster& cluster);
+    Cluster take_equal(Cluster& near) const;
     double confirm(const Cluster& cluster, int before);
     void split(const Interval& interval);
     std::vector<double> iterate(std::vector<FrameVector>& shapes, double lambda);

@@ -6,8 +6,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <numbers>
+#include <random>
 
 #include "core/error.h"
 #include "support/exact_timoshenko.h"
@@ -313,6 +315,58 @@ TEST(ModalAnalysis, EqualModesAreAtRightAnglesByMass) {
         EXPECT_NEAR(M(i, i), modes[static_cast<size_t>(i)].mass, 1e-6 * M(i, i)) << i;
         for (int j = 0; j < i; ++j) EXPECT_LT(std::abs(M(i, j)), 1e-6 * std::sqrt(M(i, i) * M(j, j))) << i << ", " << j;
     }
+}
+
+// Oracle: masses on springs of their own, of frequencies that differ by all between 1e-10 and 1e-6 of themselves.
+TEST(ModalAnalysis, NearlyEqualFrequenciesAreAllFoundInTheirPlaces) {
+    std::mt19937 engine(5);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    for (int machine = 0; machine < 40; ++machine) {
+        NetworkModel network;
+        network.node("ground", DTTMM_NODE_GROUND, {0, 0, 0});
+        std::vector<double> wanted;
+        for (int i = 0; i < 4; ++i) {
+            const std::string name = fmt::format("m{}", i);
+            const double mass = 1 + 5 * uniform(engine);
+            std::vector<double> stiffness;
+            for (int d = 0; d < 3; ++d) {
+                const double beside = std::pow(10, -10 + 4 * uniform(engine));
+                stiffness.push_back(2e5 * mass * (1 + beside));
+                wanted.push_back(std::sqrt(stiffness.back() / mass) / (2 * kPi));
+            }
+            network.node(name, DTTMM_NODE_INNER, {0, 0, 0});
+            network.element("mass" + name, "point_mass", {name}, {{"mass", {mass}}});
+            network.element("spring" + name, "spring_damper", {"ground", name}, {{"stiffness", stiffness}});
+        }
+        std::ranges::sort(wanted);
+        const std::vector<dttmm_mode> modes = Machine(network, 0b000111).find(12);
+        ASSERT_EQ(modes.size(), 12u);
+        for (size_t m = 0; m < 12; ++m) {
+            EXPECT_NEAR(modes[m].frequency, wanted[m], 3e-12 * wanted[m]) << machine << ", mode " << m;
+        }
+    }
+}
+
+// Oracle: the frequencies of a cantilever go with √EI; those of its two planes differ by 4e-6 of themselves.
+TEST(ModalAnalysis, NearlyEqualFrequenciesOfABeamAreAsNearAsOthers) {
+    NetworkModel network;
+    network.node("a", DTTMM_NODE_INNER, {0, 0, 0}).fixed = kHeld;
+    network.node("b", DTTMM_NODE_INNER, {kBeamLength, 0, 0});
+    NetworkModel::Values values = bar();
+    values["section.EIy"] = {kEIz * (1 + 8e-6)};
+    network.element("beam", "beam", {"a", "b"}, values);
+    const std::vector<dttmm_mode> modes = Machine(network).find(0, 2000);
+    const auto is_bending = [](const dttmm_mode& mode) {
+        return mode.participation[1] > 1e-6 || mode.participation[2] > 1e-6;
+    };
+    int pairs = 0;
+    for (size_t m = 0; m + 1 < modes.size(); ++m) {
+        if (!is_bending(modes[m])) continue;
+        EXPECT_NEAR(modes[m + 1].frequency / modes[m].frequency, std::sqrt(1 + 8e-6), 1e-12) << modes[m].frequency;
+        EXPECT_LT(modes[m].bracket, 1e-10) << modes[m].frequency;
+        ++m, ++pairs;
+    }
+    EXPECT_GE(pairs, 5);
 }
 
 // Oracle: a free machine's six zeros span its rigid motions: they move all of its mass, and strain nothing.

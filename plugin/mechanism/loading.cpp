@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "core/rotation.h"
+
 namespace dttmm::plugin {
 
 Loading::Loading(const Assembly& assembly, const dttmm_network& description) {
@@ -32,33 +34,43 @@ Loading::Loading(const Assembly& assembly, const dttmm_network& description) {
     for (size_t f = 1; f < begin_.size(); ++f) begin_[f] += begin_[f - 1];
 }
 
-inline void Loading::add(const Action& action, FrameView at, const double* values, Vector6& wrench) {
+inline Loading::Acting Loading::acting(const Action& action, FrameView at, const double* values) {
     const Eigen::Map<const Vector3> first(values + action.value), second(values + action.value + 3);
-    if (action.kind == Action::Kind::at_node) {
-        wrench.head<3>() += first;
-        wrench.tail<3>() += second;
-        if (action.has_arm) wrench.tail<3>() += (at.axes() * action.arm).cross(first);
-        return;
-    }
-    const Vector3 change = second - first, slope = action.couple * change;
-    Vector3 force = action.length * (first + action.share * change);
-    Vector3 moment;  // e_x × slope, and that of the arm
+    const Vector3 arm = action.has_arm ? Vector3(at.axes() * action.arm) : Vector3(Vector3::Zero());
+    if (action.kind == Action::Kind::at_node) return {first, arm, second, Vector3::Zero()};
+    const Vector3 change = second - first;
+    Acting load{action.length * (first + action.share * change), arm, Vector3::Zero(), action.couple * change};
     if (action.kind == Action::Kind::turns_with_segment) {
-        moment << 0, -slope.z(), slope.y();
-        if (action.has_arm) moment += action.arm.cross(force);
-        moment = (at.axes() * moment).eval();
-        force = (at.axes() * force).eval();
-    } else {
-        moment = Vector3(at.axes().col(0)).cross(slope);
-        if (action.has_arm) moment += (at.axes() * action.arm).cross(force);
+        load.force = (at.axes() * load.force).eval();
+        load.slope = (at.axes() * load.slope).eval();
     }
-    wrench.head<3>() += force;
-    wrench.tail<3>() += moment;
+    return load;
 }
 
 Vector6 Loading::wrench(int frame, FrameView at, const double* values) const {
     Vector6 sum = Vector6::Zero();
-    for (size_t a = begin_[as_size(frame)]; a < begin_[as_size(frame) + 1]; ++a) add(actions_[a], at, values, sum);
+    for (size_t a = begin_[as_size(frame)]; a < begin_[as_size(frame) + 1]; ++a) {
+        const Acting load = acting(actions_[a], at, values);
+        sum.head<3>() += load.force;
+        sum.tail<3>() += load.moment + load.arm.cross(load.force) + Vector3(at.axes().col(0)).cross(load.slope);
+    }
+    return sum;
+}
+
+Matrix6 Loading::stiffness(int frame, FrameView at, const Vector3& origin, const double* values) const {
+    Matrix6 sum = Matrix6::Zero();
+    for (size_t a = begin_[as_size(frame)]; a < begin_[as_size(frame) + 1]; ++a) {
+        const Acting load = acting(actions_[a], at, values);
+        if (actions_[a].kind == Action::Kind::turns_with_segment) {
+            const Matrix3 half = 0.5 * skew(load.force);
+            sum.topRightCorner<3, 3>() += half;
+            sum.bottomLeftCorner<3, 3>() += half.transpose();
+            continue;
+        }
+        const Vector3 arm = load.arm + at.origin() - origin;
+        const Matrix3 turned = skew(arm) * skew(load.force) + skew(Vector3(at.axes().col(0))) * skew(load.slope);
+        sum.bottomRightCorner<3, 3>() -= 0.5 * (turned + turned.transpose());
+    }
     return sum;
 }
 

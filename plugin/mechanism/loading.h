@@ -29,6 +29,9 @@ public:
     bool is_on(int frame) const { return begin_[as_size(frame)] < begin_[as_size(frame) + 1]; }
     /// The wrench on a frame that is at `at`, about its origin, world axes.
     Vector6 wrench(int frame, FrameView at, const double* values) const;
+    /// The symmetric part of −∂(wrench)/∂(pose), the wrench about a point `origin` that goes with the frame: what the loads
+    /// do as their lever arms turn with it, or they themselves.
+    Matrix6 stiffness(int frame, FrameView at, const Vector3& origin, const double* values) const;
     /// Adds the wrenches on all frames, in the order of Assembly::frames.
     void add_wrenches(std::span<const Frame> frames, const double* values, std::span<Vector6> wrenches) const;
 
@@ -44,7 +47,12 @@ private:
         double length;  ///< l [m]
         double couple;  ///< l²/(12 n) [m²]
     };
-    static void add(const Action& action, FrameView at, const double* values, Vector6& wrench);
+    /// A load on a frame: a force at the end of an arm from its origin, and a moment or, on a segment, a couple of forces
+    /// `slope` and −slope whose arm is e_x. World axes.
+    struct Acting {
+        Vector3 force, arm, moment, slope;
+    };
+    static Acting acting(const Action& action, FrameView at, const double* values);
 
     std::vector<Action> actions_;  ///< by frame
     std::vector<size_t> begin_;    ///< of every frame among them, and one past the last

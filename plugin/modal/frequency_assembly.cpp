@@ -54,7 +54,7 @@ void FrequencyAssembly::run() {
     add_joints(assembly, joints, links);
     add_constraints();
     add_lines(assembly.lines);
-    if (resting_) resting_->add_loads();
+    if (resting_) resting_->add_loads(assembly, frame_of_);
     if (model_.frames.empty()) throw Error(DTTMM_ERROR_MODEL, "nothing moves: no body and no free node");
 }
 

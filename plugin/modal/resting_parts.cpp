@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/rotation.h"
 #include "element/parameters.h"
+#include "mechanism/loading.h"
 #include "statics/frame_links.h"
 #include "statics/resting_joint.h"
 
@@ -167,17 +168,18 @@ void RestingParts::turn_constraint(const double* stiffness, double factor) {
     model_.bonds.back().turning = std::make_shared<const EndBlocks>(turning);
 }
 
-void RestingParts::add_loads() {
+void RestingParts::add_loads(const Assembly& assembly, const std::vector<int>& frame_of) {
     for (uint32_t b = 0; b < description_.network->body_count; ++b)
         model_.levers.push_back(
             {-1, as_int(b),
              description_.rest->factor * Eigen::Map<const Matrix6>(description_.rest->loads + 36 * size_t{b})});
-    size_t inner = 0;
-    for (size_t n = 0; n < model_.nodes.size(); ++n) {
-        if (description_.network->nodes[n].kind != DTTMM_NODE_INNER) continue;
-        const size_t load = inner++;
-        if (model_.nodes[n].frame >= 0 && load < rest_.loads.size())
-            add_lever(-1, model_.nodes[n].frame, model_.nodes[n].position, rest_.loads[load].head<3>());
+    const Loading loading(assembly, *description_.network);
+    for (size_t f = 0; f < frame_of.size(); ++f) {
+        const int frame = frame_of[f];
+        if (frame < 0 || !loading.is_on(as_int(f))) continue;
+        const Matrix6 stiffness = loading.stiffness(as_int(f), make_frame(assembly.frames[f].pose), model_.origin(frame),
+                                                    rest_.loads.front().data());
+        model_.levers.push_back({-1, frame, model_.mask * stiffness * model_.mask});
     }
 }
 

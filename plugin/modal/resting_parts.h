@@ -26,8 +26,9 @@ public:
     void add_joint(const Joint& joint, const AtRest::Link& link, Ends at, int from, int to);
     /// What the forces of a constraint add to the bond that was added last, 12 × 12.
     void turn_constraint(const double* stiffness, double factor);
-    /// What loads add whose lever arms turn with the frames that they act on.
-    void add_loads();
+    /// What loads add that turn with the frames on which they act, or whose lever arms do. frame_of: of the assembly's
+    /// frames those of the model.
+    void add_loads(const Assembly& assembly, const std::vector<int>& frame_of);
     /// What the forces of a bar do as it turns with a frame.
     void add_bar_force(const LineModel& line, const LineForces& forces);
     /// What forces of a line but the axial one of its waves do from `start` of it on, where this segment of it begins.

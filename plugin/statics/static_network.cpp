@@ -248,24 +248,6 @@ Matrix6 StaticNetwork::resistance_of(int frame) const {
     return M;
 }
 
-/// What loads on a frame add as they, or their lever arms, turn with it: symmetric part, by central differences.
-Matrix6 StaticNetwork::load_stiffness(int frame) const {
-    constexpr double kTurn = 1e-5;
-    const Frame& at_rest = now_.frames[as_size(frame)];
-    Matrix6 K = Matrix6::Zero();
-    for (int c = 0; c < 3; ++c) {
-        Vector6 difference = Vector6::Zero();
-        for (const double sign : {1.0, -1.0}) {
-            Frame turned = at_rest;
-            Eigen::Map<RowMajor3>{turned.rotation} =
-                rotation_from_vector(Vector3(sign * kTurn * Vector3::Unit(c))) * FrameView(at_rest).axes();
-            difference += sign * acting_.loading.wrench(frame, turned, acting_.loads.data());
-        }
-        K.col(3 + c) = -difference / (2 * kTurn);
-    }
-    return 0.5 * (K + K.transpose());
-}
-
 /// Joints are placed anew where ports have moved.
 void StaticNetwork::take_ports(Ports ports) {
     for (size_t p = 0; p < as_size(ports_); ++p) {
@@ -289,7 +271,11 @@ void StaticNetwork::form(Ports ports, double resistance) {
         for (int i = 0; i < count_; ++i) {
             const Matrix6 own = matrix_.diagonal(i);
             matrix_.add_diagonal(i, resistance_of(driven_ + i));
-            if (acting_.loading.is_on(driven_ + i)) matrix_.add_acting(i, load_stiffness(driven_ + i));
+            if (acting_.loading.is_on(driven_ + i)) {
+                const Frame& at = now_.frames[as_size(driven_ + i)];
+                matrix_.add_acting(i,
+                                   acting_.loading.stiffness(driven_ + i, at, FrameView(at).origin(), acting_.loads.data()));
+            }
             if (!is_held) continue;
             const double shift = own.topLeftCorner<3, 3>().cwiseAbs().trace(), arm = reach_[as_size(i)],
                          turn = std::max(own.bottomRightCorner<3, 3>().cwiseAbs().trace(), arm * arm * shift);

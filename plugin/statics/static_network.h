@@ -83,7 +83,6 @@ private:
     void predict_forces(double share);
     void add_joint(size_t joint);
     Matrix6 resistance_of(int frame) const;
-    Matrix6 load_stiffness(int frame) const;
     void find_residuals();
     Measure measure() const;
     void add_port_motion(std::span<const Vector6> motion);

@@ -841,6 +841,48 @@ TEST_F(SteadyVibration, ABeamsMomentFollowsSlowLoads) {
         }
 }
 
+// Oracle: differences of `dttmm static`. A load along a line acts on its axis, beside the mass of its segments.
+TEST_F(SteadyVibration, LoadsAlongABeamTurnWithItsSegments) {
+    const auto model = [](const std::string& tip) {
+        return fmt::format(R"(format = "dttmm/1"
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+b = [0.3, 0.4, 0]
+[[element]]
+name = "beam"
+type = "beam"
+from = "a"
+to = "b"
+segments = 3
+section = {{ EA = 3e4, EIy = 2.5, EIz = 5.6, GJ = 3, mass = 0.01, inertia = 4e-5, GAy = 2e4, GAz = 1e4, mass_offset = [0.01, 0.02] }}
+[[load]]
+element = "beam"
+direction = [0.1, 0.2, -1]
+force_per_length = [2, 3.5]
+axes = "world"
+[[load]]
+on = "b"
+direction = [-0.8, 0.6, 0.1]
+force = {}
+)",
+                           tip);
+    };
+    constexpr double kChange = 1e-4;
+    std::vector<ResultsTable> rest;
+    for (const double force : {-kChange, kChange}) {
+        write_text(folder_ / "m.toml", model(fmt::format("{:.17g}", force)));
+        ASSERT_EQ(run_dttmm(folder_.path(), {"static", "m.toml", "-q", "-o", "rest"}).code, 0);
+        rest.push_back(read_table(folder_ / "rest/static.csv"));
+    }
+    const Table table = response(model("{ type = \"harmonic\", amplitude = 1, frequency = \"0.001 Hz\" }"),
+                                 {"--beams", "lumped", "--from", "0.001 Hz", "--to", "0.0011 Hz", "--points", "2", "-q"});
+    for (const char axis : {'x', 'y', 'z'}) {
+        const std::string channel = fmt::format("b.position.{}", axis);
+        const double slope = (rest[1].value(0, channel) - rest[0].value(0, channel)) / (2 * kChange);
+        EXPECT_NEAR(table.value(0, channel + ".re"), slope, 1e-8 * 0.007) << axis;
+    }
+}
+
 // Oracle: the loads' absence and their cure.
 TEST_F(SteadyVibration, WrongQuestionsAreRefused) {
     const std::string harmonic = kMassOnSpring + "harmonic = { amplitude = \"1 N\" }\n",

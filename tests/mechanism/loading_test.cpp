@@ -137,6 +137,39 @@ TEST(Loading, OfANodeHasItsLever) {
     EXPECT_FALSE(loading.is_on(0)) << "a body";
 }
 
+// Oracle: central differences of the wrench about a point that goes with the frame as it turns about that.
+TEST(Loading, StiffnessIsTheDerivativeOfTheWrench) {
+    const NetworkModel model = make_loaded();
+    const dttmm_network network = model.description();
+    const Assembly assembly = assemble(network);
+    const Loading loading(assembly, network);
+    const std::vector<double> load = values((Vector6() << 31, -42, 73, 1.4, 2.5, -3.6).finished(),
+                                            (Vector6() << 100, -230, 70, 400, 150, -310).finished(),
+                                            (Vector6() << -50, 20, 170, 90, -250, 110).finished());
+    const std::vector<Frame> frames = moved_frames(assembly, 0.8);
+    const Vector3 aside(0.2, -0.1, 0.3);
+    constexpr double kTurn = 1e-4;
+    int loaded = 0;
+    for (size_t f = 0; f < frames.size(); ++f) {
+        if (!loading.is_on(as_int(f))) continue;
+        ++loaded;
+        const FrameView at = frames[f];
+        const Vector3 origin = at.origin() + aside;
+        Matrix6 slope = Matrix6::Zero();
+        for (int c = 0; c < 3; ++c)
+            for (const double sign : {1.0, -1.0}) {
+                const Matrix3 turn = rotation_from_vector(Vector3(sign * kTurn * Vector3::Unit(c)));
+                const Frame turned = make_frame({origin - turn * aside, turn * at.axes()});
+                Vector6 wrench = loading.wrench(as_int(f), turned, load.data());
+                wrench.tail<3>() -= (turn * aside).cross(Vector3(wrench.head<3>()));
+                slope.col(3 + c) -= sign / (2 * kTurn) * wrench;
+            }
+        const Matrix6 expected = 0.5 * (slope + slope.transpose());
+        EXPECT_LE((loading.stiffness(as_int(f), at, origin, load.data()) - expected).norm(), 1e-7 * expected.norm()) << f;
+    }
+    EXPECT_EQ(loaded, kSegments + 2) << "two nodes";
+}
+
 TEST(Loading, AForcePerLengthOnWhatIsNoLineIsRefused) {
     const auto message = [](const char* element, uint32_t axes) {
         NetworkModel model = make_loaded();

@@ -237,9 +237,11 @@ void FrequencyAssembly::add_lines(const std::vector<LineSpec>& specs) {
                 if (model_.lines.back().waves->pinned().any()) add_pin(model_.lines.back());
                 continue;
             }
-            std::vector<Vector6> forces = model_.resting[as_size(spec.element)].forces;
+            const FrequencyModel::RestingLine& resting = model_.resting[as_size(spec.element)];
+            std::vector<Vector6> forces = resting.forces;
             for (Vector6& own : forces) own = both(spec.line.axes.transpose()) * own;
-            add_line(spec, from, to, LineForces(std::move(forces), (spec.finish - spec.start).norm()));
+            const double length = (spec.finish - spec.start).norm();
+            add_line(spec, from, to, LineForces(std::move(forces), length, resting.turning / length));
         } catch (const Error& error) {
             throw Error(error.status(), error.what(), spec.element);
         }

@@ -20,22 +20,28 @@ using Matrix13 = Eigen::Matrix<double, 13, 13>;
 /// m' of a section force.
 Vector3 moment_slope(const Vector6& forces) { return -Vector3::UnitX().cross(forces.head<3>()); }
 
-/// The integrand of LineForces::stiffness.
-Matrix13 turning_of_section(const Vector6& forces, const TwistedShape& shape) {
+/// The integrand of LineForces::stiffness; load: that turns with the line.
+Matrix13 turning_of_section(const Vector6& forces, const Vector3& load, const TwistedShape& shape) {
     const Vector3 f = forces.head<3>(), m = forces.tail<3>(), e = Vector3::UnitX();
     const auto turn = shape.d.bottomRows<3>();
     const auto shear = shape.slope.topRows<3>(), bend = shape.slope.bottomRows<3>();
     const Matrix13 half = turn.transpose() * (skew(f) * shear + 0.5 * skew(m) * bend +
-                                              (0.5 * f * e.transpose() - 0.5 * f.x() * Matrix3::Identity()) * turn);
+                                              (0.5 * f * e.transpose() - 0.5 * f.x() * Matrix3::Identity()) * turn) +
+                          0.5 * shape.d.topRows<3>().transpose() * skew(load) * turn;
     return half + half.transpose();
 }
 
 }  // namespace
 
-LineForces::LineForces(std::vector<Vector6> forces, double length) : stations_(std::move(forces)), length_(length) {
+LineForces::LineForces(std::vector<Vector6> forces, double length, const Vector6& turning)
+    : stations_(std::move(forces)), length_(length), turning_(turning) {
     const double quarter = 0.25 * length_ / segments();
     stations_.front().tail<3>() -= quarter * moment_slope(stations_.front());
     stations_.back().tail<3>() += quarter * moment_slope(stations_.back());
+}
+
+Vector3 LineForces::turning_load(double s) const {
+    return turning_.head<3>() + s / length_ * (turning_.tail<3>() - turning_.head<3>());
 }
 
 Vector6 LineForces::at(double s) const {
@@ -81,7 +87,7 @@ Matrix12 LineForces::stiffness(double start, double length, double axial, double
         TwistedShape twisted;
         twisted.d << shapes.at[k].d, Vector6::Unit(3) * (4 * t * (1 - t));
         twisted.slope << shapes.at[k].slope, Vector6::Unit(3) * (4 * (1 - 2 * t) / length);
-        sum += LineShapes::kWeights[k] * length * turning_of_section(forces, twisted);
+        sum += LineShapes::kWeights[k] * length * turning_of_section(forces, turning_load(start + t * length), twisted);
     }
     const Vector12 by_twist = sum.topRightCorner<12, 1>();
     return sum.topLeftCorner<12, 12>() - by_twist * by_twist.transpose() / (16 * GJ / (3 * length));

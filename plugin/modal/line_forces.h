@@ -25,8 +25,9 @@ struct LineShapes {
 class LineForces {
 public:
     /// forces: in the joints of a line of equal segments, joint k where k segments end; the first and the last joint lie a
-    /// quarter of a segment inside the ends.
-    LineForces(std::vector<Vector6> forces, double length);
+    /// quarter of a segment inside the ends. turning: of the loads that turn with it, their force per length at its start
+    /// and at its end, between which they are linear.
+    LineForces(std::vector<Vector6> forces, double length, const Vector6& turning);
 
     double length() const { return length_; }
     int segments() const { return as_int(stations_.size()) - 1; }
@@ -34,12 +35,14 @@ public:
     const Vector6& last() const { return stations_.back(); }
     Vector6 at(double s) const;
     Vector3 mean_force() const;
+    Vector3 turning_load(double s) const;
     /// Into how many pieces the line is to be cut, its segments at most, so that what its forces add to the stiffness is
     /// known to a share of 1e-7 of it. 1: only the mean axial force counts, what the others add is below a share of 1e-5.
     int pieces(const Section& section) const;
 
     /// What these forces, without a uniform axial one, add to the stiffness from `start` over a piece as they turn with it:
-    /// the second derivative of ∫ f·(−θ × u' + ½ θ × (θ × e_x)) − ½ m·(θ × θ') ds, θ the rotation vector.
+    /// the second derivative of ∫ f·(−θ × u' + ½ θ × (θ × e_x)) − ½ m·(θ × θ') ds, θ the rotation vector. Loads q that turn
+    /// with the line have no potential: to it comes the symmetric part of what they do, of −∫ (θ × q)·δu ds.
     /// The shape between the ends is that without them, but for the torsion: it follows them with a parabola, held by GJ.
     /// Without it the load at which a deep beam tips over would err by 0.25 % at ten segments, not by 2e-5.
     Matrix12 stiffness(double start, double length, double axial, double GJ, const LineShapes& shapes) const;
@@ -47,6 +50,7 @@ public:
 private:
     std::vector<Vector6> stations_;
     double length_;
+    Vector6 turning_;
 };
 
 }  // namespace dttmm::plugin

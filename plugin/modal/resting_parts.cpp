@@ -50,6 +50,7 @@ void RestingParts::find_lines() {
             if (k + 1 == links.size())
                 own.turned = rotation_vector(Matrix3(own.axes.transpose() * joint.seat().axes_at_to(FrameView(at_to))));
         }
+        own.turning = (line.finish - line.start).norm() * turning_load(line.element);
         if (description_.lumped_beams || line.line.stretches_only) continue;
         const Vector3 chord = (points.back() - points.front()).normalized();
         double away = 0;
@@ -61,6 +62,17 @@ void RestingParts::find_lines() {
         own.share = away / std::sqrt(bending / section.EA);
         own.is_lumped = own.share > kStraight;
     }
+}
+
+/// Of the loads along a line that turn with it: force per length at its start and at its end, at the start of time.
+Vector6 RestingParts::turning_load(int element) const {
+    const dttmm_network& network = *description_.network;
+    const size_t on_nodes = rest_.loads.size() - network.line_load_count;
+    Vector6 sum = Vector6::Zero();
+    for (uint32_t k = 0; k < network.line_load_count; ++k)
+        if (as_int(network.line_loads[k].element) == element && network.line_loads[k].axes == DTTMM_AXES_ELEMENT)
+            sum += rest_.loads[on_nodes + k];
+    return sum;
 }
 
 namespace {
@@ -197,6 +209,15 @@ void RestingParts::add_bar_force(const LineModel& line, const LineForces& forces
     Matrix6 stiffness = Matrix6::Zero();
     stiffness.bottomRightCorner<3, 3>() =
         forces.length() * (f.dot(e) * Matrix3::Identity() - 0.5 * (e * f.transpose() + f * e.transpose()));
+    // Loads that turn with the line, which is as stiff across as the frame
+    Matrix6 half = Matrix6::Zero();
+    for (size_t k = 0; k < LineShapes::kPoints.size(); ++k) {
+        const double s = LineShapes::kPoints[k] * forces.length(), weight = LineShapes::kWeights[k] * forces.length();
+        const Matrix3 q = 0.5 * weight * skew(Vector3(line.axes * forces.turning_load(s)));
+        half.topRightCorner<3, 3>() += q;
+        half.bottomRightCorner<3, 3>() += skew(Vector3(line.start + s * e - model_.origin(frame))) * q;
+    }
+    stiffness += half + half.transpose();
     model_.levers.push_back({line.element, frame, stiffness, true});
 }
 

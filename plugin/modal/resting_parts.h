@@ -37,6 +37,8 @@ public:
     void add_lever(int element, int frame, const Vector3& point, const Vector3& force);
 
 private:
+    Vector6 turning_load(int element) const;
+
     FrequencyModel& model_;
     const dttmm_modal_model& description_;
     const AtRest& rest_;

@@ -128,6 +128,58 @@ force = {:.17g}
     }
 }
 
+/// A cantilever along x or along y, with a load along it that has the direction of its axis.
+std::string with_load_along(char axis, double load, const char* axes, const std::string& at_tip) {
+    const std::string along = axis == 'x' ? "[1, 0, 0]" : "[0, 1, 0]", tip = axis == 'x' ? "[0.5, 0, 0]" : "[0, 0.5, 0]";
+    return fmt::format(R"(format = "dttmm/1"
+[nodes]
+root = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+tip = {{ position = {} }}
+[[element]]
+name = "mast"
+type = "beam"
+from = "root"
+to = "tip"
+segments = 30
+up = [0, 0.3, 1]
+theory = "euler-bernoulli"
+section = {{ EA = 3e7, EIy = 2.5, EIz = 5.6, GJ = 3, mass = 0.01, inertia = 4e-5 }}
+[[load]]
+element = "mast"
+direction = {}
+force_per_length = {:.17g}
+axes = "{}"
+{})",
+                       tip, axes == std::string("world") ? along : "[1, 0, 0]", load, axes, at_tip);
+}
+
+// Oracle: a load q along a beam that turns with it does q v v' ds of work; its symmetric part is ½ q v² at the tip, that of
+// a spring −q/2 there beside the load that keeps its direction. 8 % of the first frequency.
+TEST(PreloadedModes, ALoadThatTurnsWithABeamIsASpringAtItsTip) {
+    for (const char axis : {'x', 'y'})
+        for (const double load : {-20.0, -7.0}) {
+            const std::string spring = fmt::format(
+                "[[element]]\nname = \"spring\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"tip\"\n"
+                "stiffness = {}\n",
+                axis == 'x' ? fmt::format("[0, {0}, {0}]", -load / 2) : fmt::format("[{0}, 0, {0}]", -load / 2));
+            for (const auto& [beams, near] : {std::pair("exact", 5e-8), std::pair("lumped", 3e-5)}) {
+                const TemporaryFolder folder;
+                write_text(folder / "model.toml", with_load_along(axis, load, "element", ""));
+                const Ended ended = run_dttmm(
+                    folder.path(), {"modes", "model.toml", "--json", "-o", "out", "--count", "4", "--beams", beams});
+                ASSERT_EQ(ended.code, 0) << ended.err;
+                EXPECT_THAT(ended.err, HasSubstr("only the symmetric part"));
+                const std::vector<double> turning = frequencies_of(nlohmann::json::parse(ended.out));
+                const std::vector<double> still = frequencies_of(
+                    modes_of(with_load_along(axis, load, "world", spring), {"--count", "4", "--beams", beams}));
+                ASSERT_EQ(turning.size(), 4u);
+                ASSERT_EQ(still.size(), 4u);
+                for (size_t m = 0; m < 4; ++m)
+                    EXPECT_NEAR(turning[m], still[m], near * still[m]) << axis << load << beams << m;
+            }
+        }
+}
+
 /// A line between pins, of beams of one segment, under a lasting force at its far end that presses it. A pulse pushes its
 /// nodes aside by the shape of the lowest mode, so that nothing else rings.
 struct Line {

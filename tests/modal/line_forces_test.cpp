@@ -30,7 +30,7 @@ Matrix12 under(double first, double last) {
     Vector6 a = Vector6::Zero(), b = a;
     a(0) = first;
     b(0) = last;
-    return LineForces({a, b}, kPiece).stiffness(0, kPiece, 0, line.section.GJ, waves.static_shapes());
+    return LineForces({a, b}, kPiece, Vector6::Zero()).stiffness(0, kPiece, 0, line.section.GJ, waves.static_shapes());
 }
 
 // Oracle: the geometric stiffness of a beam with cubic deflections, ∫ N v'² ds, of a force N and of N (1 − s/L).
@@ -63,7 +63,7 @@ LineForces under_uniform_load(double q, int segments) {
         forces(5) = -q * s * (kPiece - s) / 2 - forces(1) * (at - s);  // the load stands in the middles of the segments
         joints.push_back(forces);
     }
-    return {joints, kPiece};
+    return {joints, kPiece, Vector6::Zero()};
 }
 
 // Oracle: the parabola of a beam under a uniform load.
@@ -88,7 +88,7 @@ TEST(LineForces, PiecesByTheShareOfTheStiffness) {
     const auto pieces = [&](Eigen::Index direction, double size, int segments = 8) {
         std::vector<Vector6> forces;
         for (int k = 0; k <= segments; ++k) forces.push_back((1 - 2.0 * k / segments) * size * Vector6::Unit(direction));
-        return LineForces(forces, kPiece).pieces(section);
+        return LineForces(forces, kPiece, Vector6::Zero()).pieces(section);
     };
     EXPECT_EQ(pieces(0, 0.9e-5 * along), 1);
     EXPECT_EQ(pieces(0, 1.1e-5 * along), 2);

@@ -110,8 +110,8 @@ bool is_loaded(const Model& model) {
 /// What the frequencies about an equilibrium are of, and which beams are not exact in them.
 void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnings) {
     warnings.note("about-equilibrium",
-                  "the frequencies are about the equilibrium under gravity, the loads and the supports as they are at "
-                  "the start (about = \"start\" leaves them out)");
+                  "the frequencies are about the equilibrium under gravity, preloads, the loads and the supports as "
+                  "they are at the start (about = \"start\": about the machine as the file places it)");
     for (const Load& load : model.loads) {
         const double duration = model.simulation.duration;
         if (!acts_at_start(load) && (is_lasting(load.signal, duration) || is_lasting(load.at_to(), duration)))
@@ -159,6 +159,14 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
                                                first, count > 1 ? fmt::format(", and {} more are", count - 1) : ""));
 }
 
+/// Whether the file places a machine that nothing loads where its springs have forces, or asks for its equilibrium.
+bool is_strained(const Model& model, const ModalMachine& machine) {
+    if (!model.modes.directions.all()) return false;
+    for (size_t e = 0; e < model.elements.size(); ++e)
+        if (machine.force_at_start(e) != 0) return true;
+    return model.simulation.starts_at_rest;
+}
+
 }  // namespace
 
 void warn_unbalanced(const RestState& rest, const std::string& place, Warnings& warnings) {
@@ -204,14 +212,14 @@ void warn_preload(const Model& model, Warnings& warnings) {
 }
 
 ModalMachine make_machine(const Model& model, const Plugins& plugins, Warnings& warnings) {
-    const auto about_start = [&] {
-        ModalMachine machine(model, plugins);
+    const auto about_start = [&](ModalMachine machine) {
         warn_preload(model, warnings);
         note_forces(model, machine, warnings);
         return machine;
     };
-    if (model.modes.about == About::start || (model.modes.about == About::automatic && !is_loaded(model)))
-        return about_start();
+    if (model.modes.about == About::start) return about_start(ModalMachine(model, plugins));
+    if (model.modes.about == About::automatic && !is_loaded(model))
+        if (ModalMachine machine(model, plugins); !is_strained(model, machine)) return about_start(std::move(machine));
     try {
         Model resting = model;
         if (resting.simulation.step == 0) resting.simulation.step = kShortestStep;  // networks want one, whichever
@@ -226,7 +234,7 @@ ModalMachine make_machine(const Model& model, const Plugins& plugins, Warnings& 
             fmt::format("the frequencies are not about an equilibrium, but about the machine as the file places it: "
                         "{}",
                         error.what()));
-        return about_start();
+        return about_start(ModalMachine(model, plugins));
     }
 }
 

@@ -20,6 +20,10 @@ bool turns_or_drives(const Joint& joint) {
     return (joint.type != JointType::slider && joint.type != JointType::fixed) || joint.drive;
 }
 
+bool always_has_means(const Model& model) {
+    return model.simulation.spectral_radius < 1 || std::ranges::any_of(model.joints, turns_or_drives);
+}
+
 /// Refuses velocities at the start that open a joint, by more than rounding of places over a step of size h.
 void refuse_opening_joints(const std::vector<Joint>& descriptions, const JointSystem& joints,
                            const std::vector<BodyState>& at, double h) {
@@ -42,9 +46,14 @@ void refuse_opening_joints(const std::vector<Joint>& descriptions, const JointSy
 
 }  // namespace
 
+bool has_mean_velocities(const Model& model) {
+    return always_has_means(model) ||
+           std::ranges::any_of(model.joints, [](const Joint& joint) { return joint.limits.has_value(); });
+}
+
 InstantSolver::InstantSolver(const Model& model)
     : inertias_(model.bodies.begin(), model.bodies.end()),
-      has_means_(model.simulation.spectral_radius < 1 || std::ranges::any_of(model.joints, turns_or_drives)),
+      has_means_(always_has_means(model)),
       wrenches_(6 * model.bodies.size()),
       trial_wrenches_(wrenches_),
       matrix_(model.joints.empty() ? 0 : as_int(model.bodies.size()), {}, JointSystem(model.bodies, model.joints).nodes()),

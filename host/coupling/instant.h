@@ -23,6 +23,9 @@ struct Instant {
     BodyVectors joint_wrenches;  ///< of each joint on its first body, [force; moment about the anchor], world axes
 };
 
+/// Whether velocities at instants are means over two steps, in all rows or in those of impacts: see InstantSolver::solve.
+bool has_mean_velocities(const Model& model);
+
 /// Finds what stands at an instant: velocities as Newmark's rule has them,
 ///     v_n = v_{n+1/2} − h/2 M⁻¹ (mean wrench over the step),   J v_n = 0,
 /// accelerations and joint forces by the balance of that instant, M a + Jᵀ q = f, J a = −C̈.

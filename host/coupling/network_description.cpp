@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "coupling/instant.h"
 #include "model/error.h"
 #include "model/index.h"
 
@@ -197,6 +198,7 @@ dttmm_network NetworkDescription::network() const {
     network.line_loads = line_loads_.data();
     network.support_count = static_cast<uint32_t>(supports_.size());
     network.supports = supports_.data();
+    network.mean_velocities = has_mean_velocities(model_);
     return network;
 }
 

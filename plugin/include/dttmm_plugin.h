@@ -39,7 +39,7 @@ extern "C" {
 #endif
 
 #define DTTMM_PLUGIN_MAJOR 2u
-#define DTTMM_PLUGIN_MINOR 1u
+#define DTTMM_PLUGIN_MINOR 2u
 
 /* The one symbol a plugin exports; declared at the end. */
 #define DTTMM_PLUGIN_ENTRY "dttmm_plugin_entry"
@@ -206,6 +206,9 @@ typedef struct dttmm_network {
     /* Where the plugin may write the index of the element it works on, for whoever reports a crash. It lives as long as the
      * instance; NULL: not wanted. */
     volatile int32_t* at_work;
+    uint32_t mean_velocities; /* 1: in some rows or in all the velocities that the host gives `stand` are the means of those
+                                 over the two steps around the instant, whatever the scheme. What depends on velocities
+                                 between bodies and inner nodes is to be found from means there too */
 } dttmm_network;
 
 typedef struct dttmm_instance dttmm_instance;

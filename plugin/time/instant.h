@@ -24,7 +24,7 @@ public:
     /// at the start of the run.
     void find_by_centred_velocities(const std::vector<Frame>& earlier_frames, const std::vector<Twist>& start);
     /// From now on rates of deformations are those of their increments, but in the first row, which has the initial
-    /// velocities. For all networks of a machine that has rigid directions in one of them.
+    /// velocities. For all networks of a machine that has rigid directions in one of them, or mean velocities of bodies.
     void take_rates_by_increments() { has_rates_by_increments_ = true; }
     bool is_known() const { return is_known_; }
     void forget() { is_known_ = false; }

@@ -187,7 +187,8 @@ Machine::Machine(const dttmm_network& description)
         made.loads.resize(6 * made.loaded.size());
     }
     is_implicit_ = networks_.front().network.is_implicit();
-    if (std::ranges::any_of(networks_, [](const Part& part) { return part.network.has_rigid_directions(); }))
+    const auto is_rigid = [](const Part& part) { return part.network.has_rigid_directions(); };
+    if ((description.mean_velocities != 0 && is_implicit_) || std::ranges::any_of(networks_, is_rigid))
         for (Part& part : networks_) part.network.take_rates_by_increments();
     place_blocks();
     place_channels(units);

@@ -92,8 +92,8 @@ TEST(IndependentPlugin, RefusesWithTextElementAndNoInstance) {
                                 {"b", DTTMM_NODE_GROUND, 0, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}}};
     const uint32_t from_to[] = {0, 1};
     const dttmm_element element{"joint", 0, 2, from_to, kSpring.data()};
-    const dttmm_network network{0,  nullptr, 2,       nodes, 1,       &element, DTTMM_SCHEME_CENTRED, 0.25, 0.5,
-                                {}, 0,       nullptr, 0,     nullptr, nullptr};
+    const dttmm_network network{0, nullptr, 2, nodes,   1,       &element, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {},
+                                0, nullptr, 0, nullptr, nullptr, 0};
     auto* instance = reinterpret_cast<dttmm_instance*>(0x5a5a);
     dttmm_error error{};
     EXPECT_EQ(independent().create(&network, &instance, &error), DTTMM_ERROR_MODEL);

@@ -104,7 +104,8 @@ public:
                                     nullptr,
                                     0,
                                     nullptr,
-                                    nullptr};
+                                    nullptr,
+                                    0};
         check(table_.create(&network, &instance_, &error_));
         for (uint32_t c = 0; c < table_.channel_count(instance_); ++c)
             names_.emplace_back(table_.channels(instance_)[c].name);

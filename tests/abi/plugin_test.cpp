@@ -110,8 +110,8 @@ Refusal create_pair(uint32_t from, uint32_t to, const double* values, const char
                                  {"two", {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 1, {1, 0, 0, 0, 1, 0, 0, 0, 1}}};
     const uint32_t first_ends[] = {0, 1}, second_ends[] = {from, to};
     const dttmm_element elements[] = {{"good", 0, 2, first_ends, kUgly.data()}, {"second", 0, 2, second_ends, values}};
-    const dttmm_network network{2,  bodies, 3,       nodes, 2,       elements, DTTMM_SCHEME_CENTRED, 0.25, 0.5,
-                                {}, 0,      nullptr, 0,     nullptr, nullptr};
+    const dttmm_network network{2, bodies,  3, nodes,   2,       elements, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {},
+                                0, nullptr, 0, nullptr, nullptr, 0};
     Refusal refusal{DTTMM_OK, {}, reinterpret_cast<dttmm_instance*>(0x5a5a)};  // what was there before
     refusal.status = table().create(&network, &refusal.instance, &refusal.error);
     return refusal;
@@ -138,8 +138,8 @@ TEST(Plugin, ARefusedNetworkIsStatusTextElementAndNoInstance) {
 }
 
 TEST(Plugin, NullIsRefusedWhereANetworkIsWanted) {
-    const dttmm_network hollow{1,  nullptr, 2,       nullptr, 1,       nullptr, DTTMM_SCHEME_CENTRED, 0.25, 0.5,
-                               {}, 0,       nullptr, 0,       nullptr, nullptr};
+    const dttmm_network hollow{1, nullptr, 2, nullptr, 1,       nullptr, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {},
+                               0, nullptr, 0, nullptr, nullptr, 0};
     for (const dttmm_network* network : {static_cast<const dttmm_network*>(nullptr), &hollow}) {
         auto* instance = reinterpret_cast<dttmm_instance*>(0x5a5a);
         dttmm_error error{7, "unwritten"};
@@ -158,8 +158,8 @@ TEST(Plugin, ALongTextIsCutBetweenCharacters) {
         dttmm_node node{name.c_str(), 99, 0, {}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0, 0, {}, {}};
         const uint32_t ends[] = {0, 0};
         const dttmm_element element{"joint", 0, 2, ends, kUgly.data()};
-        const dttmm_network network{0,  nullptr, 1,       &node, 1,       &element, DTTMM_SCHEME_CENTRED, 0.25, 0.5,
-                                    {}, 0,       nullptr, 0,     nullptr, nullptr};
+        const dttmm_network network{0, nullptr, 1, &node,   1,       &element, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {},
+                                    0, nullptr, 0, nullptr, nullptr, 0};
         dttmm_instance* instance = nullptr;
         dttmm_error error;
         std::memset(&error, 'z', sizeof error);

@@ -240,6 +240,71 @@ TEST(Joints, AStopBesideTheBodysCentreLetsGoAlike) {
     }
 }
 
+// Oracle: the same machine without the pendulum, at a tenth of the step. Rows have mean velocities of bodies where a joint
+// turns; what a beam's damping makes of them must be of the same kind.
+TEST(Joints, AHingeElsewhereLeavesTheForcesOfADampedBeam) {
+    const TemporaryFolder folder;
+    const auto largest_of = [&](const std::string& joints, const char* step) {
+        write_text(folder / "model.toml", R"(format = "dttmm/1"
+[simulation]
+duration = 0.2
+[output]
+channels = ["arm.force", "b.acceleration"]
+[nodes]
+tip = [0.3, 0, 0]
+[[body]]
+name = "b"
+mass = 3
+inertia = [0.02, 0.03, 0.025]
+[[element]]
+name = "m"
+type = "spring_damper"
+from = "ground"
+to = "b"
+stiffness = 1e5
+damping = 200
+rotational_stiffness = 500
+rotational_damping = 2
+[[element]]
+name = "arm"
+type = "beam"
+from = "b"
+to = "tip"
+segments = 2
+section = { rectangle = [0.02, 0.03] }
+material = { E = 200e9, poisson = 0.3, density = 7800, stiffness_damping = "0.5 ms" }
+[[element]]
+name = "weight"
+type = "point_mass"
+at = "tip"
+mass = 0.5
+[[load]]
+on = "b"
+direction = [1, 0, 0]
+force = { type = "haversine", peak = "10 N", start = 0, width = "30 ms" }
+)" + joints);
+        const Ended ended =
+            run_dttmm(folder.path(), {"run", "model.toml", "--step", step, "--output-step", "1 ms", "-q", "-o", "out"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        std::pair<double, double> most;
+        for (const std::vector<double>& row : read_history(folder / "out/history.csv")) {
+            most.first = std::max(most.first, std::abs(row[1]));
+            most.second = std::max(most.second, std::abs(row[4]));
+        }
+        return most;
+    };
+    const std::string body = "[[body]]\nname = \"p\"\nmass = 1\ninertia = [0.01, 0.01, 0.01]\nposition = [5, 0, -0.3]\n";
+    const auto [force, acceleration] = largest_of("", "0.05 ms");
+    for (const char* joint : {"type = \"hinge\"\naxis = [0, 1, 0]", "type = \"ball\"",
+                              "type = \"slider\"\naxis = [0, 1, 0]\nlimits = [-1, 1]"}) {
+        const auto found = largest_of(
+            body + "[[joint]]\nname = \"pin\"\nbetween = [\"ground\", \"p\"]\n" + "anchor = [5, 0, 0]\n" + joint + "\n",
+            "0.5 ms");
+        EXPECT_NEAR(found.first, force, 0.02 * force) << joint;
+        EXPECT_NEAR(found.second, acceleration, 0.02 * acceleration) << joint;
+    }
+}
+
 // The warning says at what time equations were let go: the closed form has the bars in one line at 0.712 s.
 TEST(Joints, ASingularPositionIsPassedWithAWord) {
     const TemporaryFolder folder;

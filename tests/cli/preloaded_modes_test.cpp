@@ -128,6 +128,43 @@ force = {:.17g}
     }
 }
 
+// Oracle: where k x + k₃ x³ = T − s x the body rests, ω² = (k + 3 k₃ x² + s)/m. Nothing but the preload T of the stay pulls.
+TEST(PreloadedModes, APreloadAloneMovesTheMachineToItsEquilibrium) {
+    constexpr double kLinear = 1e4, kCubic = 1e9, kStay = 1000, kTension = 400, kMass = 3;
+    double x = 0;
+    for (int i = 0; i < 50; ++i)
+        x -= (kLinear * x + kCubic * x * x * x - kTension + kStay * x) / (kLinear + 3 * kCubic * x * x + kStay);
+    const double exact = std::sqrt((kLinear + 3 * kCubic * x * x + kStay) / kMass) / (2 * M_PI);
+    const std::string model = fmt::format(R"(format = "dttmm/1"
+[nodes]
+wall = {{ position = [1, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+[[body]]
+name = "a"
+mass = {}
+inertia = [0.02, 0.03, 0.025]
+[[element]]
+name = "s"
+type = "spring_damper"
+from = "ground"
+to = "a"
+rotational_stiffness = [9000, 8000, 7000]
+stiffness = [0, 1e6, 2e6]
+x = {{ law = "cubic", stiffness = {}, cubic = {} }}
+[[element]]
+name = "stay"
+type = "axial_spring"
+from = "wall"
+to = "a"
+stiffness = {}
+preload = {}
+)",
+                                          kMass, kLinear, kCubic, kStay, kTension);
+    for (const char* more : {"", "[modes]\nabout = \"equilibrium\"\n"})
+        EXPECT_NEAR(frequencies_of(modes_of(model + more)).at(0), exact, 1e-9 * exact) << more;
+    EXPECT_NEAR(frequencies_of(modes_of(model + "[modes]\nabout = \"start\"\n")).at(0),
+                std::sqrt((kLinear + kStay) / kMass) / (2 * M_PI), 1e-9);
+}
+
 /// A cantilever along x or along y, with a load along it that has the direction of its axis.
 std::string with_load_along(char axis, double load, const char* axes, const std::string& at_tip) {
     const std::string along = axis == 'x' ? "[1, 0, 0]" : "[0, 1, 0]", tip = axis == 'x' ? "[0.5, 0, 0]" : "[0, 0.5, 0]";

@@ -60,10 +60,10 @@ TEST(WarningsOf, ModesAndFrfReadAsThoseOfARunAndStandInTheirSummaries) {
     EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "run"}).err, text);
     const Ended modes = run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "modes"});
     EXPECT_EQ(modes.code, 0);
-    EXPECT_EQ(modes.err,
-              text +
-                  "note: the frequencies are about the equilibrium under gravity, the loads and the supports as they are "
-                  "at the start (about = \"start\" leaves them out)\n");
+    EXPECT_EQ(modes.err, text +
+                             "note: the frequencies are about the equilibrium under gravity, preloads, the loads and the "
+                             "supports as they are "
+                             "at the start (about = \"start\": about the machine as the file places it)\n");
     EXPECT_THAT(codes_in(folder / "modes/summary.json"), ElementsAre("free-element", "about-equilibrium"));
     const Ended about_start = run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "modes", "--about", "start"});
     EXPECT_EQ(about_start.err,
@@ -167,6 +167,7 @@ natural_length = )" + std::string(natural);
             std::vector<std::string> words = {command, "model.toml", "-q", "-o", "out"};
             if (command == std::string("frf"))
                 words.insert(words.end(), {"--in", "b.z", "--out", "b.z", "--from", "1", "--to", "2", "--points", "2"});
+            words.insert(words.end(), {"--about", "start"});
             const Ended ended = run_dttmm(folder.path(), words);
             EXPECT_EQ(ended.code, 0) << ended.err;
             const auto codes = codes_in(folder / "out/summary.json");

@@ -21,7 +21,7 @@ NetworkInstance make_joint(const std::string& fault, double number = 0) {
     const uint32_t from_to[] = {0, 1};
     const dttmm_element joint{"joint", 0, 2, from_to, &number};
     return {PluginLibrary::load(faulty_plugin(fault)),
-            {1, &kMass, 2, kNodes, 1, &joint, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}, 0, nullptr, 0, nullptr, nullptr}};
+            {1, &kMass, 2, kNodes, 1, &joint, DTTMM_SCHEME_CENTRED, 0.25, 0.5, {}, 0, nullptr, 0, nullptr, nullptr, 0}};
 }
 
 void expect_step_fails(const std::string& fault, uint64_t index, ExitCode code, const std::string& text) {

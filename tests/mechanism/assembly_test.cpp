@@ -72,7 +72,8 @@ public:
                 nullptr,
                 0,
                 nullptr,
-                nullptr};
+                nullptr,
+                0};
     }
     Assembly assembled() const { return assemble(network()); }
 

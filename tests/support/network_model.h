@@ -102,7 +102,8 @@ public:
                 line_loads_.data(),
                 0,
                 nullptr,
-                nullptr};
+                nullptr,
+                0};
     }
 
     /// Turns and moves everything but the values, nodes that have no axes of their own included.

@@ -94,7 +94,8 @@ DenseNetwork make_network(uint32_t scheme, bool grounded_left, const Values& val
                          nullptr,
                          0,
                          nullptr,
-                         nullptr});
+                         nullptr,
+                         0});
 }
 
 /// Two parallel elements, the second the other way round: three ports, two elements, so that a swapped index shows.
@@ -105,7 +106,7 @@ DenseNetwork make_pair(uint32_t scheme, const Values& first = kUgly, const Value
     const dttmm_body bodies[] = {body(nodes[0]), body(nodes[1]), body(nodes[2])};
     const uint32_t third_to_right[] = {2, 1};
     const dttmm_element elements[] = {{"a", 0, 2, kFromTo, first.data()}, {"b", 0, 2, third_to_right, second.data()}};
-    return DenseNetwork({3, bodies, 3, nodes, 2, elements, scheme, 0.25, 0.5, {}, 0, nullptr, 0, nullptr, nullptr});
+    return DenseNetwork({3, bodies, 3, nodes, 2, elements, scheme, 0.25, 0.5, {}, 0, nullptr, 0, nullptr, nullptr, 0});
 }
 
 /// The deformation by definition, written anew: the `to` end in the axes of the `from` end, less the same at rest.
@@ -516,7 +517,7 @@ TEST(Network, StructuralFaultsAreFoundWhenBuilt) {
     const auto status = [&](const dttmm_node* nodes, dttmm_element element, uint32_t scheme = 0, double beta = 0.25) {
         const dttmm_body mass = body(good[1]);
         return status_of([&] {
-            DenseNetwork({1, &mass, 3, nodes, 1, &element, scheme, beta, 0.5, {}, 0, nullptr, 0, nullptr, nullptr});
+            DenseNetwork({1, &mass, 3, nodes, 1, &element, scheme, beta, 0.5, {}, 0, nullptr, 0, nullptr, nullptr, 0});
         });
     };
     EXPECT_EQ(status(good, {"e", 0, 2, kFromTo, kUgly.data()}), DTTMM_OK);

@@ -182,7 +182,7 @@ ExitCode sweep_modes(const Request& request, const std::vector<SweepAxis>& axes)
     Warnings warnings;
     const ModalSession base(request, plugins, warnings);
     refuse_column_names(base.model);
-    check_axes(axes, base.model.parameters);
+    check_axes(axes, base.model.parameters, request.overrides.parameters);
     std::vector<SweptCase> cases;
     std::vector<Eigen::MatrixXd> shapes;
     std::exception_ptr fault;

@@ -122,7 +122,7 @@ std::vector<Parameter> known_parameters(const Request& request, const Plugins& p
     overrides.purpose = Purpose::modes;
     const Model model = read_model(request.model, plugins.catalogue(), overrides);
     refuse_column_names(model);
-    check_axes(axes, model.parameters);
+    check_axes(axes, model.parameters, request.overrides.parameters);
     return model.parameters;
 }
 

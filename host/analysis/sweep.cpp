@@ -239,7 +239,7 @@ ExitCode run_sweep(const Request& request, const std::vector<SweepAxis>& axes) {
     std::vector<Case> cases;
     for (SweepCase& parameters : make_grid(axes)) cases.push_back({std::move(parameters), {}, "missing", {}, {}});
     const Model model = read_model(request.model, plugins.catalogue(), request.overrides);
-    check_axes(axes, model.parameters);
+    check_axes(axes, model.parameters, request.overrides.parameters);
     refuse_column_names(model);
     const std::vector<Parameter> parameters = read_parameters(cases, request, plugins);
 

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 
 #include "model/error.h"
 #include "model/index.h"
 #include "model/names.h"
-#include "model/parameters.h"
 #include "model/units.h"
 #include "model/wording.h"
 
@@ -45,6 +45,8 @@ std::vector<std::string> range_values(const std::string& text, const std::string
     const Quantity to = quantity_in(text, range.substr(dots + 2, colon - dots - 2));
     const long count = count_in(text, range.substr(colon + 1));
     if (from.unit != to.unit) refuse(text, fmt::format("its ends have different units, {} and {}", from.unit, to.unit));
+    if (count == 1 && from.value != to.value)
+        refuse(text, "one value cannot be both ends: write a count of 2 or more, or name=value");
     std::vector<std::string> values;
     for (long i = 0; i < count; ++i) {
         const double share = count > 1 ? static_cast<double>(i) / static_cast<double>(count - 1) : 0;
@@ -66,6 +68,19 @@ std::vector<std::string> list_values(const std::string& text, const std::string&
     return values;
 }
 
+void check_value(const std::string& name, const std::string& value, const Parameter& in_file) {
+    std::optional<std::string> unit;
+    try {
+        unit = find_missing_unit(in_file, value);
+    } catch (const Error& error) {
+        throw Error(error.code(), fmt::format("--sweep {}: {}", quote(name), error.what()));
+    }
+    if (unit)
+        throw Error(ExitCode::usage, fmt::format("--sweep {}: of which unit? the file gives {}; write it with every value, "
+                                                 "e.g. \"{} {}\"",
+                                                 quote(name), *unit, value, *unit));
+}
+
 }  // namespace
 
 SweepAxis parse_sweep_axis(const std::string& text) {
@@ -76,7 +91,15 @@ SweepAxis parse_sweep_axis(const std::string& text) {
     return {normalise_name(name), rest.find("..") != std::string::npos ? range_values(text, rest) : list_values(text, rest)};
 }
 
-void check_axes(const std::vector<SweepAxis>& axes, const std::vector<Parameter>& parameters) {
+void refuse_set_beside(const std::string& option, const std::string& name, const Parameters::Overrides& set) {
+    for (const auto& [given, value] : set)
+        if (normalise_name(given) == name)
+            throw Error(ExitCode::usage, fmt::format("{} {}: --set gives this parameter a value too; leave one of them out",
+                                                     option, quote(name)));
+}
+
+void check_axes(const std::vector<SweepAxis>& axes, const std::vector<Parameter>& parameters,
+                const Parameters::Overrides& set) {
     std::vector<std::string> known;
     for (const Parameter& parameter : parameters) known.push_back(parameter.name);
     for (const SweepAxis& axis : axes) {
@@ -84,11 +107,8 @@ void check_axes(const std::vector<SweepAxis>& axes, const std::vector<Parameter>
         if (found == parameters.end())
             throw Error(ExitCode::usage,
                         fmt::format("--sweep {}: no such parameter{}", quote(axis.name), suggestion(axis.name, known)));
-        for (const std::string& value : axis.values)
-            if (const auto unit = find_missing_unit(*found, value))
-                throw Error(ExitCode::usage, fmt::format("--sweep {}: of which unit? the file gives {}; write it with every "
-                                                         "value, e.g. \"{} {}\"",
-                                                         quote(axis.name), *unit, value, *unit));
+        refuse_set_beside("--sweep", axis.name, set);
+        for (const std::string& value : axis.values) check_value(axis.name, value, *found);
     }
 }
 

@@ -15,7 +15,11 @@ namespace dttmm::host {
 std::optional<std::string> find_missing_unit(const Parameter& in_file, const std::string& text) {
     if (in_file.unit.empty() || in_file.unit == "1" || text.starts_with("=")) return std::nullopt;
     const Quantity quantity = parse_quantity(text);
-    if (quantity.unit != "1" || quantity.value == 0) return std::nullopt;
+    if (quantity.unit != "1") {
+        if (!measures(in_file.unit, quantity.unit)) parse_quantity(text, in_file.unit);  // says what is expected
+        return std::nullopt;
+    }
+    if (quantity.value == 0) return std::nullopt;
     if (!in_file.text.starts_with("=") && parse_quantity(in_file.text).unit == "1")
         return std::nullopt;  // a plain coordinate
     return in_file.text.starts_with("=") ? in_file.unit : unit_text(in_file.text);
@@ -114,7 +118,13 @@ void Parameters::override_entry(const std::string& given_name, const std::string
     entry.is_faulty = false;
     read_text(entry, text);
     if (entry.is_faulty || was_faulty) return;
-    if (const auto unit = find_missing_unit(in_file, text))
+    std::optional<std::string> unit;
+    try {
+        unit = find_missing_unit(in_file, text);
+    } catch (const Error& error) {
+        return fail(entry, error.what());
+    }
+    if (unit)
         throw Error(
             ExitCode::usage,
             fmt::format("--set {0}={1}: of which unit? the file gives {2}; write --set {0}=\"{1} {2}\"", name, text, *unit));

@@ -18,7 +18,7 @@ namespace dttmm::host {
 
 /// The unit of `in_file` as the file gives it, "N/mm", where `text` is a plain number that is to replace it. Nothing where
 /// the file gives no unit, or where `text` has a unit, is an expression or is zero, which is the same in every unit. Throws
-/// Error(model_invalid) where `text` is no quantity.
+/// Error(model_invalid) where `text` is no quantity, or one of another dimension than the file's.
 std::optional<std::string> find_missing_unit(const Parameter& in_file, const std::string& text);
 
 /// The [parameters] of a model file after --set: each a number, a quantity or an expression over others, resolved in the

@@ -119,6 +119,7 @@ CaseTable draw_cases(const Request& request, const Model& model) {
         table.values = one_at_a_time(varied, model);
         return table;
     }
+    for (const Varied& one : varied) refuse_set_beside("--vary", one.name, request.overrides.parameters);
     if (request.study.cases == 0) throw Error(ExitCode::usage, "how many cases? --vary wants --cases, e.g. --cases 1000");
     const Eigen::Index block = block_size(design, as_row(varied.size()));
     if (block > 1 && !request.study.correlations.empty())
@@ -140,10 +141,16 @@ CaseTable draw_cases(const Request& request, const Model& model) {
     return table;
 }
 
+CaseTable listed_cases(const Request& request, const Model& model) {
+    CaseTable table = read_case_table(request.study.table, model.parameters);
+    for (const Column& column : table.parameters) refuse_set_beside("--table", column.name, request.overrides.parameters);
+    return table;
+}
+
 CaseTable grid_cases(const Request& request, const Model& model) {
     std::vector<SweepAxis> axes;
     for (const std::string& text : request.sweeps) axes.push_back(parse_sweep_axis(text));
-    check_axes(axes, model.parameters);
+    check_axes(axes, model.parameters, request.overrides.parameters);
     const std::vector<SweepCase> grid = make_grid(axes);
     CaseTable table;
     for (const SweepAxis& axis : axes) table.parameters.push_back({axis.name, parameter_called(axis.name, model).unit});
@@ -187,7 +194,7 @@ CaseTable make_cases(const Request& request, const Model& model) {
         throw Error(ExitCode::usage, "--cases, --design and --correlate go with --vary only");
     CaseTable table = !request.study.variations.empty() ? draw_cases(request, model)
                       : !request.sweeps.empty()         ? grid_cases(request, model)
-                                                        : read_case_table(request.study.table, model.parameters);
+                                                        : listed_cases(request, model);
     for (Column& column : table.parameters) {
         if (column.unit.empty()) column.unit = "1";
         if (column.name == "case" || column.name == "status" || column.name == "warnings")

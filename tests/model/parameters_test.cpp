@@ -82,6 +82,18 @@ TEST(Parameters, APlainNumberDoesNotReplaceAValueWithAUnit) {
     EXPECT_EQ(parameters_of("k = \"500 N/mm\"\nj = \"=2*k\"\n", {{"j", "4"}})[1].value, 4);
 }
 
+// In an expression a value has no unit any more: only the parameter itself can tell that newtons are no stiffness.
+TEST(Parameters, AnotherDimensionDoesNotReplaceAValueWithAUnit) {
+    EXPECT_EQ(override_fault({{"k1", "3 N"}}, ExitCode::model_invalid),
+              "--set k1: parameter \"k1\": expected a value in N/m, got \"3 N\"; accepted here: N/m, N/mm, kN/m, kN/mm, "
+              "MN/m");
+    EXPECT_EQ(parameters_of("k = \"500 N/mm\"\n", {{"k", "3 kN/m"}})[0].value, 3000);
+    EXPECT_EQ(parameters_of("k = \"5 N*m\"\n", {{"k", "3 N*m/rad"}})[0].value, 3);  // the radian is a pure number
+    EXPECT_EQ(parameters_of("k = \"5 N*m/rad\"\n", {{"k", "3 N*m"}})[0].value, 3);
+    EXPECT_EQ(parameters_of("k = 5\n", {{"k", "3 N"}})[0].value, 3);  // the file gives no dimension
+    EXPECT_EQ(parameters_of("k = \"5 N\"\nj = \"=2*k\"\n", {{"j", "3 mm"}})[1].value, 0.003);
+}
+
 TEST(Parameters, CirclesAreNamedOnce) {
     const std::string text = parameter_fault("x = \"=a\"\na = \"=b\"\nb = \"=c + 1\"\nc = \"=2*a\"\ns = \"=s\"\n");
     EXPECT_EQ(text,

@@ -6,20 +6,27 @@
 #include "analysis/places.h"
 #include "analysis/response_choice.h"
 #include "model/error.h"
+#include "model/vibrations.h"
+#include "model/wording.h"
 
 namespace dttmm::host {
 
 namespace {
 
+[[noreturn]] void refuse_rest(const Model& model) {
+    const std::string left_out = describe_left_out(model),
+                      whole = model.load_case.empty() ? "the model" : "case " + quote(model.load_case);
+    throw Error(ExitCode::model_invalid,
+                fmt::format("{}: nothing vibrates: {} has no harmonic, psd or unbalance load{}", model.path, whole,
+                            !left_out.empty() ? left_out
+                                              : "; give one, or ask for the response to a unit force with --in "
+                                                "PLACE.DIRECTION"));
+}
+
 Excitation make_excitation(const Request& request, const Model& model, const ModalMachine& machine) {
     if (request.response.inputs.empty()) {
         Excitation loads(model, machine);
-        if (!loads.has_harmonics() && loads.random_count() == 0)
-            throw Error(
-                ExitCode::model_invalid,
-                fmt::format("{}: nothing vibrates: the model has no harmonic, psd or unbalance load; give one, or ask "
-                            "for the response to a unit force with --in PLACE.DIRECTION",
-                            model.path));
+        if (!loads.has_harmonics() && loads.random_count() == 0) refuse_rest(model);
         return loads;
     }
     std::vector<Excitation::Input> inputs;

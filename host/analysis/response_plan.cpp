@@ -11,6 +11,7 @@
 #include "analysis/places.h"
 #include "model/error.h"
 #include "model/units.h"
+#include "model/vibrations.h"
 #include "model/wording.h"
 
 namespace dttmm::host {
@@ -91,9 +92,10 @@ std::vector<double> orders_of(const Request& request, const Model& model, const 
     const std::vector<double> known = excitation.orders();
     if (known.empty())
         throw Error(ExitCode::model_invalid,
-                    fmt::format("{}: --rpm: no load is an order of the speed; write order = 2 in a harmonic load, or an "
-                                "unbalance",
-                                model.path));
+                    fmt::format("{}: --rpm: no load{} is an order of the speed; write order = 2 in a harmonic load, or an "
+                                "unbalance{}",
+                                model.path, model.load_case.empty() ? "" : " of case " + quote(model.load_case),
+                                describe_left_out(model)));
     if (request.response.orders.empty()) return known;
     std::vector<double> chosen;
     for (const std::string& text : request.response.orders) {

@@ -3,10 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "model/error.h"
+#include "model/index.h"
 #include "model/signal_shapes.h"
+#include "model/wording.h"
 
 namespace dttmm::host {
 
@@ -72,6 +76,30 @@ void set_vibrations_aside(Model& model) {
             {"driven-joint-held", fmt::format("{}: joint \"{}\": a motor vibrates in a run only; here it holds the joint",
                                               joint.drive_place, joint.name)});
     }
+}
+
+std::string describe_left_out(const Model& model) {
+    std::vector<std::string> all;
+    const auto add = [&](const std::string& what, const auto& factor_of) {
+        std::vector<std::string> cases;
+        for (const LoadCase& one : model.cases)
+            if (factor_of(one) != 0) cases.push_back(quote(one.name));
+        all.push_back(fmt::format("{} vibrates in {}", what, cases.empty() ? "no case" : "case " + listed(cases)));
+    };
+    for (size_t i = 0; i < model.loads.size(); ++i) {
+        const Load& load = model.loads[i];
+        if (!load.vibration || load.vibration_factor != 0) continue;
+        add(fmt::format("load {}({})", load.name.empty() ? "" : quote(load.name) + " ", load.place),
+            [&](const LoadCase& one) { return one.load_factors[i]; });
+    }
+    for (size_t n = 0; n < model.nodes.size(); ++n) {
+        const Node& node = model.nodes[n];
+        const bool is_moved = std::ranges::any_of(node.vibrations, [](const auto& signal) { return signal.has_value(); });
+        if (!is_moved || node.vibration_factor != 0) continue;
+        add(fmt::format("node {} ({})", quote(node.name), node.motion_place),
+            [&](const LoadCase& one) { return one.motion_factors[n]; });
+    }
+    return all.empty() ? "" : fmt::format("; {}; choose a case with it, or leave --case out", fmt::join(all, ", "));
 }
 
 }  // namespace dttmm::host

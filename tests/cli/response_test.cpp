@@ -883,6 +883,23 @@ force = {}
     }
 }
 
+// Oracle: the place of the load in the file, and the case that names it.
+TEST_F(SteadyVibration, VibrationsOutsideTheCaseAreNamed) {
+    const std::string key = "harmonic";
+    const std::string cases = "[[case]]\nname = \"uls\"\nloads = []\n[[case]]\nname = \"hum\"\nloads = [\"fan\"]\n",
+                      fan = kMassOnSpring + "name = \"fan\"\nharmonic = { amplitude = \"1 N\", order = 2 }\n" + cases;
+    const auto line = 1 + std::count(fan.begin(), std::search(fan.begin(), fan.end(), key.begin(), key.end()), '\n');
+    const std::string left_out = fmt::format(
+        "; load \"fan\" (model.toml:{}:1) vibrates in case \"hum\"; choose a case with it, or leave --case out\n", line);
+    EXPECT_EQ(fault(fan, {"--case", "uls"}),
+              "dttmm: model.toml: nothing vibrates: case \"uls\" has no harmonic, psd or unbalance load" + left_out);
+    EXPECT_THAT(fault(fan + "[[load]]\nname = \"psd\"\non = \"m\"\ndirection = [1, 0, 0]\npsd = { frequencies = [1, 2], "
+                            "values = [1, 1] }\n[[case]]\nname = \"noise\"\nloads = [\"psd\"]\n",
+                      {"--case", "noise", "--rpm", "100..200"}),
+                testing::AllOf(HasSubstr("no load of case \"noise\" is an order of the speed"), HasSubstr(left_out)));
+    EXPECT_EQ(ask(fan, {"--case", "hum", "--out", "m", "-q"}).code, 0);
+}
+
 // Oracle: the loads' absence and their cure.
 TEST_F(SteadyVibration, WrongQuestionsAreRefused) {
     const std::string harmonic = kMassOnSpring + "harmonic = { amplitude = \"1 N\" }\n",

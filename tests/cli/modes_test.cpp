@@ -461,6 +461,45 @@ TEST(Modes, WritesATableShapesAndASummary) {
     EXPECT_EQ(run_dttmm(folder.path(), {"modes", "two.toml", "-q"}).out, "");
 }
 
+// Oracle: v + w x r from the listed row of the body. A marker without an element does not scale the shape.
+TEST(Modes, AShapeIsScaledByCentresOfMassAndWhereElementsHold) {
+    const nlohmann::json found = modes_of(R"(format = "dttmm/1"
+[[body]]
+name = "b"
+mass = 2
+inertia = [0.02, 0.03, 0.04]
+center_of_mass = [0.5, 0.1, 0.2]
+markers = { left = [-0.1, 0, 0], right = [0.6, 0, 0], far = [5, 0, 0] }
+[[element]]
+name = "one"
+type = "spring_damper"
+from = "ground"
+to = "b.left"
+stiffness = 9000
+[[element]]
+name = "two"
+type = "spring_damper"
+from = "ground"
+to = "b.right"
+stiffness = [6000, 7000, 5000]
+rotational_stiffness = [100, 110, 120]
+)");
+    const nlohmann::json& modes = found["modes"];
+    ASSERT_EQ(modes.size(), 6u);
+    double farthest = 0;
+    for (const nlohmann::json& mode : modes) {
+        const nlohmann::json& shape = mode["shape"];
+        const auto moved = [&](const char* place, const Eigen::Vector3d& arm) {
+            const auto u = shape[place].get<std::vector<double>>();
+            return (Eigen::Vector3d(u[0], u[1], u[2]) + Eigen::Vector3d(u[3], u[4], u[5]).cross(arm)).norm();
+        };
+        const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+        EXPECT_NEAR(std::max({moved("b", {0.5, 0.1, 0.2}), moved("b.left", none), moved("b.right", none)}), 1, 1e-12);
+        farthest = std::max(farthest, moved("b.far", none));
+    }
+    EXPECT_GT(farthest, 3);
+}
+
 // ---- Joints and bodies --------------------------------------------------------------------------------------------------
 
 /// A bar on a joint to the ground, on a rotational spring; told in [[joint]] and a spring beside it.

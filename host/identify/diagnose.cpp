@@ -81,11 +81,27 @@ std::string describe_hypothesis(const Hypothesis& one) {
     return text;
 }
 
+bool is_pair(const Hypothesis& one) { return !one.are_alike && one.elements.size() > 1; }
+
 std::string name_of(const Hypothesis& one) {
     if (one.are_alike) return "all alike";
     std::string text;
     for (const std::string& element : one.elements) text += (text.empty() ? "" : " with ") + element;
     return text;
+}
+
+/// As an alternative to others: "bolt1 alone or bolt1 and bolt2 together".
+std::string name_beside(const std::vector<Hypothesis>& others, const Hypothesis& one) {
+    if (is_pair(one)) return fmt::format("{} together", fmt::join(one.elements, " and "));
+    const auto has_it = [&](const Hypothesis& other) {
+        return is_pair(other) && std::ranges::find(other.elements, one.elements.front()) != other.elements.end();
+    };
+    return name_of(one) + (!one.are_alike && std::ranges::any_of(others, has_it) ? " alone" : "");
+}
+
+/// Whether pairs were fitted.
+bool has_pairs(const Diagnosis& found) {
+    return std::ranges::any_of(found.candidates, is_pair) || std::ranges::any_of(found.others, is_pair);
 }
 
 /// suspects: how many there are.
@@ -105,17 +121,15 @@ std::vector<std::string> make_verdict(const Diagnosis& found, size_t suspects) {
             say(fmt::format("These data do not show every loss: of some {} even that of nearly all stiffness may be missed",
                             others));
     } else if (is_wrong) {
-        say(fmt::format("No single {}element explains the data ({}): what comes nearest is {}",
-                        found.candidates.front().elements.size() > 1 ? "element and no pair of the likeliest " : "",
-                        describe_chi2(found.fit), describe_hypothesis(found.candidates.front())));
+        say(fmt::format("No single element{} explains the data ({}): what comes nearest is {}",
+                        has_pairs(found) ? " and no pair of the likeliest elements" : "", describe_chi2(found.fit),
+                        describe_hypothesis(found.candidates.front())));
     } else if (found.candidates.size() == 1) {
         say(describe_hypothesis(found.candidates.front()));
     } else {
         std::vector<std::string> names;
-        for (const Hypothesis& one : found.candidates) names.push_back(name_of(one));
-        std::string text;
-        for (size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "" : " or ") + names[i];
-        say(fmt::format("{}: these sensors cannot tell", text));
+        for (const Hypothesis& one : found.candidates) names.push_back(name_beside(found.candidates, one));
+        say(fmt::format("{}: these sensors cannot tell", fmt::join(names, " or ")));
         for (const Hypothesis& one : found.candidates) say(describe_hypothesis(one));
     }
     for (const auto& alike : found.ties)

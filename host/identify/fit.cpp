@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+#include <numbers>
+#include <vector>
 
 #include "model/index.h"
 
@@ -37,7 +40,23 @@ double chance_beyond(double chi2, Eigen::Index freedom) {
 struct Correlation {
     double chance = 1;  ///< that noise has as much
     double memory = 1;  ///< samples that tell no more than one
+    double peak = 1;    ///< of the power over frequency, times its mean
 };
+
+/// Of a spectrum with these correlations at lags 1, 2 and so on, smoothed by Bartlett's window.
+double peak_of_power(const std::vector<double>& rho) {
+    const size_t points = 4 * rho.size();  // of half the spectrum: four for the width of the window
+    const auto lags = static_cast<double>(rho.size() + 1);
+    double peak = 1;
+    for (size_t i = 0; i <= points; ++i) {
+        double power = 1;
+        for (size_t k = 1; k <= rho.size(); ++k)
+            power += 2 * (1 - static_cast<double>(k) / lags) * rho[k - 1] *
+                     std::cos(std::numbers::pi * static_cast<double>(i * k) / static_cast<double>(points));
+        peak = std::max(peak, power);
+    }
+    return peak;
+}
 
 /// Source: Ljung and Box (1978), Biometrika 65, 297-303.
 Correlation judge_correlation(const Eigen::VectorXd& residual) {
@@ -51,7 +70,9 @@ Correlation judge_correlation(const Eigen::VectorXd& residual) {
         is_open = is_open && rho[k] > 2 / std::sqrt(n);
         if (is_open) found.memory += 2 * rho[k];
     }
-    if (!rho.empty()) found.chance = chance_beyond(Q, as_row(rho.size()));
+    if (rho.empty()) return found;
+    found.chance = chance_beyond(Q, as_row(rho.size()));
+    found.peak = peak_of_power(rho);
     return found;
 }
 
@@ -96,6 +117,10 @@ Fit judge_fit(const Comparison& comparison, const Solution& solution) {
         const Eigen::VectorXd own = Eigen::Map<const Eigen::VectorXd, 0, Eigen::InnerStride<>>(
             residual.data() + group.first, group.count / stride, Eigen::InnerStride<>(stride));
         const Correlation found = judge_correlation(own);
+        // Where noise that is known has more power at every frequency, nothing shows that it would not hide
+        const bool is_known = group.noise_from != DataGroup::NoiseFrom::residuals;
+        const auto samples_here = static_cast<double>(own.size());
+        if (is_known && own.squaredNorm() * found.peak < samples_here) continue;
         fit.whiteness = std::min(fit.whiteness, found.chance);
         // A mean that noise does not explain is an offset of the sensor
         constexpr double kOffset = 5;  // standard deviations of the mean

@@ -61,8 +61,9 @@ std::string join_sentences(const std::vector<std::string>& sentences) {
 }
 
 std::string describe_chi2(const Fit& fit) {
-    return fmt::format("chi2 {:.5g} for {} points{}", fit.chi2, fit.points,
-                       fit.misfit > 0 ? fmt::format(", {:.2g} % of the largest value left", 100 * fit.misfit) : "");
+    return fmt::format("chi2 {:.5g} for {} points{}{}", fit.chi2, fit.points,
+                       fit.misfit > 0 ? fmt::format(", {:.2g} % of the largest value left", 100 * fit.misfit) : "",
+                       fit.whiteness < 1e-3 ? "; the residuals are correlated: a model error, not noise" : "");
 }
 
 std::string describe_noise(const Comparison& comparison) {
@@ -157,8 +158,8 @@ std::string describe_answer(const Identification& found, const Comparison& compa
             fit.points - comparison.scales(), unknowns.size());
     if (fit.freedom > 0 && !fit.is_explained())
         return fmt::format(
-            "No set of values explains the data ({}{}): the values below are the best guess of a model that is wrong",
-            describe_chi2(fit), fit.whiteness < 1e-3 ? "; the residuals are correlated: a model error, not noise" : "");
+            "No set of values explains the data ({}): the values below are the best guess of a model that is wrong",
+            describe_chi2(fit));
     if (found.solutions.size() > 1)
         return fmt::format(
             "{} sets of values explain the data about equally well (chi2 within 10): the data cannot tell which is true",

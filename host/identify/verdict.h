@@ -28,7 +28,7 @@ Json describe_fit(const Fit& fit);
 std::vector<std::string> describe_limits(const Fit& fit);
 /// That the time step shifts unknowns by more than their intervals allow; empty: it does not.
 std::string describe_step(const Eigen::VectorXd& bias, const Solution& solution, const Unknowns& unknowns, double step);
-/// "chi2 5189 for 4004 points, 1.3 % of the largest value left".
+/// "chi2 5189 for 4004 points, 1.3 % of the largest value left"; and that residuals are correlated, where they are.
 std::string describe_chi2(const Fit& fit);
 
 }  // namespace dttmm::host

@@ -32,6 +32,10 @@ Excitation make_excitation(const Request& request, const Model& model, const Mod
     std::vector<Excitation::Input> inputs;
     for (const std::string& text : request.response.inputs) {
         const auto [place, direction] = place_and_direction(model, machine, "--in", text);
+        for (const Excitation::Input& other : inputs)
+            if (other.place == place && other.direction == direction)
+                throw Error(ExitCode::usage, fmt::format("--in {} and --in {} are the same input; give it once",
+                                                         quote(other.text), quote(text)));
         inputs.push_back({text, place, direction});
     }
     return Excitation(std::move(inputs));

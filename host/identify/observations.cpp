@@ -54,6 +54,7 @@ public:
         if (files.empty())
             refuse(ExitCode::usage,
                    "no measured data: give a file with --measured, or as `file` in [measured] of the model");
+        refuse_repeated(files);
         std::vector<Measurement> measurements;
         for (const std::filesystem::path& file : files) measurements.push_back(read_measurement(file));
         set_clock(measurements);
@@ -75,6 +76,16 @@ private:
         std::vector<std::string> names;
         for (const auto& file : files) names.push_back(file.string());
         return names;
+    }
+
+    static void refuse_repeated(const std::vector<std::filesystem::path>& files) {
+        for (size_t i = 0; i < files.size(); ++i)
+            for (size_t other = 0; other < i; ++other) {
+                std::error_code fault;
+                if (std::filesystem::equivalent(files[i], files[other], fault))
+                    refuse(ExitCode::usage, fmt::format("--measured {} and --measured {} are the same file; give it once",
+                                                        quote(files[other].string()), quote(files[i].string())));
+            }
     }
 
     /// One recorder took all files.

@@ -119,6 +119,7 @@ ExitCode plot_curves(const Request& request) {
         throw Error(ExitCode::usage,
                     fmt::format("{}: the picture is SVG or PNG; give a name that ends with .svg or .png", path.string()));
     const Words words = split_words(request.words);
+    refuse_repeated_results(words.results);
     const std::vector<CurveSet> sets = read_sets(words.results);
     const std::vector<Chart> charts = make_charts(sets, choose_names(sets, words.patterns), request.response.is_logarithmic);
     const std::string title = fmt::format("{} of {}", fmt::join(words.patterns, ", "), fmt::join(words.results, ", "));

@@ -57,11 +57,18 @@ bool has_bodies_or_nodes(const Json& result) {
 ExitCode make_report(const Request& request) {
     const fs::path path = request.output ? *request.output : path_beside(request.words.front(), ".html");
     refuse_foreign(from_start(path));
+    refuse_repeated_results(request.words);
     ReportChoice choice;
     choice.patterns = split_at_commas(request.spectrum.channels);
     if (request.response.points > 0) choice.most_points = static_cast<std::size_t>(request.response.points);
     Json results = Json::array();
     for (const std::string& words : request.words) results.push_back(describe_results(words, choice));
+    const auto is_run = [](const Json& one) { return one["kind"] == "run"; };
+    if (!choice.patterns.empty() && std::ranges::none_of(results, is_run))
+        throw Error(ExitCode::usage,
+                    fmt::format("--channels chooses among the channels of a run, and {} of a run; leave it "
+                                "out",
+                                results.size() == 1 ? "these results are not" : "none of these results is"));
     const bool has_machine = !request.pictures.is_flat && std::ranges::any_of(results, has_bodies_or_nodes);
     const std::string title = title_of(results);
     const Json data = {{"program", "dttmm " DTTMM_VERSION},

@@ -343,6 +343,16 @@ void Description::take_table(const CsvFile& file) {
 
 Json describe_results(const fs::path& path, const ReportChoice& choice) { return Description(path, choice).take(); }
 
+void refuse_repeated_results(const std::vector<std::string>& paths) {
+    for (std::size_t i = 0; i < paths.size(); ++i)
+        for (std::size_t other = 0; other < i; ++other) {
+            std::error_code fault;
+            if (fs::equivalent(find_folder(paths[i]), find_folder(paths[other]), fault))
+                throw Error(ExitCode::usage, fmt::format("{} and {} are the same results; name them once",
+                                                         quote(paths[other]), quote(paths[i])));
+        }
+}
+
 fs::path path_beside(const std::string& results, const char* ending) {
     std::error_code fault;
     fs::path path = fs::path(results).lexically_normal();

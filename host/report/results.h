@@ -22,6 +22,10 @@ struct ReportChoice {
 /// damaged file of results, with its place; Error(usage) for a pattern without a channel.
 Json describe_results(const std::filesystem::path& path, const ReportChoice& choice);
 
+/// Throws Error(usage) where two of these paths name the same results, as "results/pump" and "results/pump/history.csv" do:
+/// one curve would cover the other. Else as describe_results does.
+void refuse_repeated_results(const std::vector<std::string>& paths);
+
 /// Where a file made of results stands unless -o says otherwise: results/pump.html for results/pump. Never in the results
 /// folder, also for ".": a command that replaces results would take it for a foreign file there.
 std::filesystem::path path_beside(const std::string& results, const char* ending);

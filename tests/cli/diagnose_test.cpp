@@ -315,6 +315,18 @@ TEST_F(Diagnose, AFaultThatNoSuspectExplainsIsTold) {
     EXPECT_THAT(of_known_noise.out, StartsWith("No single element and no pair")) << of_known_noise.err;
 }
 
+// A copy would halve the variance of the frequencies.
+TEST_F(Diagnose, AFileMeasuredTwiceIsRefused) {
+    write_text(folder_ / "model.toml", shear_frame({2, 3}, {5000, 7000}));
+    ASSERT_EQ(run_dttmm(folder_.path(), {"modes", "model.toml", "-q", "-o", "secret"}).code, 0);
+    const Ended ended = run_dttmm(folder_.path(), {"diagnose", "model.toml", "--measured", "secret/modes.csv", "--measured",
+                                                   "./secret/modes.csv", "--suspects", "storey*", "--noise", "1 %"});
+    EXPECT_EQ(ended.code, 2) << ended.out;
+    EXPECT_EQ(ended.err,
+              "dttmm: --measured \"secret/modes.csv\" and --measured \"./secret/modes.csv\" are the same file; give it "
+              "once\n");
+}
+
 // Of modes the noise is only assumed: one suspect that fits within it is not taken for the truth before pairs were tried.
 TEST_F(Diagnose, PairsAreTriedWhereTheNoiseIsAssumed) {
     write_text(folder_ / "model.toml", shear_frame({2, 3, 2.5, 2}, {5000, 7000, 6000, 4000}));

@@ -63,6 +63,34 @@ TEST(Report, OfSeveralResultsOneForeignIsRefusedAndNothingWritten) {
     EXPECT_FALSE(fs::exists(folder / "both.html"));
 }
 
+TEST(Report, ResultsNamedTwiceAreRefused) {
+    const TemporaryFolder folder;
+    write_small_history(folder / "pump");
+    for (const char* again : {"pump", "./pump/", "pump/history.csv"})
+        for (const std::vector<std::string>& words :
+             {std::vector<std::string>{"report", "pump", again}, {"plot", "pump", again, "a"}}) {
+            const Ended ended = run_dttmm(folder.path(), words);
+            EXPECT_EQ(ended.code, 2) << ended.out;
+            EXPECT_EQ(ended.err,
+                      "dttmm: \"pump\" and \"" + std::string(again) + "\" are the same results; name them once\n");
+        }
+    EXPECT_FALSE(fs::exists(folder / "pump.html") || fs::exists(folder / "pump.svg"));
+}
+
+TEST(Report, ChannelsAreThoseOfARun) {
+    const TemporaryFolder folder;
+    write_small_history(folder / "pump");
+    fs::create_directory(folder / "sweep");
+    write_text(folder / "sweep/sweep.csv", "case,k,curve1\n,N/m,Hz\ncase-000001,1,2\ncase-000002,2,3\n");
+    const Ended ended = run_dttmm(folder.path(), {"report", "sweep", "--channels", "nosuch"});
+    EXPECT_EQ(ended.code, 2);
+    EXPECT_THAT(ended.err, HasSubstr("--channels chooses among the channels of a run, and these results are not of a run"));
+    EXPECT_FALSE(fs::exists(folder / "sweep.html"));
+    EXPECT_THAT(run_dttmm(folder.path(), {"report", "pump", "sweep", "--channels", "nosuch"}).err,
+                HasSubstr("\"nosuch\" matches no channel"));
+    EXPECT_EQ(run_dttmm(folder.path(), {"report", "pump", "sweep", "--channels", "a"}).code, 0);
+}
+
 TEST(Plot, DrawsTheChosenCurvesByUnit) {
     const TemporaryFolder folder;
     fs::create_directories(folder / "results/pump");

@@ -129,6 +129,8 @@ TEST_F(SteadyVibration, WrongKindsAreRefused) {
         return fault(mass_on_foot(), with_range(std::move(words)), code);
     };
     EXPECT_THAT(asked({"--in", "top.x", "--as", "receptence"}), HasSubstr("did you mean \"receptance\"?"));
+    EXPECT_THAT(asked({"--in", "top.x", "--in", "foot.x", "--in", "top.x"}),
+                HasSubstr("--in \"top.x\" and --in \"top.x\" are the same input; give it once"));
     EXPECT_THAT(asked({"--in", "foot.x", "--as", "mobility"}), HasSubstr("--in foot.x is fixed in this direction"));
     EXPECT_THAT(asked({"--in", "foot.x", "--in", "top.x", "--as", "transmissibility"}),
                 HasSubstr("--in foot.x is a motion and --in top.x a force"));

@@ -103,6 +103,9 @@ ExitCode check_all(const Request& request) {
 const CommandLine kCommands[] = {
     {kRun, "run", "run a model and record its histories", Given::model,
      [](const Request& request) {
+         if (request.sweeps.empty() && request.jobs > 0)
+             throw Error(ExitCode::usage,
+                         "--jobs is for the cases of a sweep: one run has one; leave it out, or give --sweep");
          if (request.sweeps.empty()) return run(request);
          if (request.run.trace)
              throw Error(ExitCode::usage, "--trace is for one run: a sweep has many; run the case of interest with --set");

@@ -26,6 +26,7 @@ namespace {
 constexpr std::string_view kMarker = ".dttmm-results";
 constexpr std::string_view kPart = ".part";
 constexpr std::string_view kCasePrefix = "case-";
+constexpr std::string_view kStudy = "study.json";  // of a folder that `dttmm study` made
 constexpr std::string_view kSweepTable = "sweep.csv";
 constexpr std::array<std::string_view, 29> kResults{"mac.csv",           "overall_matrix.csv",
                                                     "determinant.csv",   "damped.csv",
@@ -95,6 +96,8 @@ bool is_beside_case(const fs::path& path) {
 void check_ours(const fs::path& folder) {
     const std::vector<fs::path> entries = read_entries(folder);
     if (entries.empty()) return;
+    if (type_of(folder / kStudy) == fs::file_type::regular)
+        throw refusal(folder, "holds a study, which no other command replaces");
     if (type_of(folder / kMarker) != fs::file_type::regular)
         throw refusal(folder, fmt::format("holds \"{}\" and no results of dttmm", entries.front().filename().string()));
     for (const fs::path& entry : entries) {

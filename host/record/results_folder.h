@@ -21,9 +21,9 @@ enum class Claim {
 /// says on which host and in which process.
 class ResultsFolder {
 public:
-    /// Claims `path`: a missing folder is made with its parents, an empty one taken, one of ours taken over. Anything else
-    /// (a foreign entry, a file, no permission, another run in it) throws Error(input_output) and leaves it untouched.
-    /// A symbolic link in the folder is removed as a link, never followed.
+    /// Claims `path`: a missing folder is made with its parents, an empty one taken, one of ours taken over. A study and
+    /// anything else (a foreign entry, a file, no permission, another run in it) throws Error(input_output) and leaves it
+    /// untouched. A symbolic link in the folder is removed as a link, never followed.
     explicit ResultsFolder(std::filesystem::path path, Claim claim = Claim::replace);
 
     /// As asked for.

@@ -54,9 +54,17 @@ ExitCode work_here(const Request& request, const StudyFolder& study, const std::
     return conclude_study(request, study);
 }
 
+Engine engine_of(const Request& request) {
+    Engine engine = parse_engine(request.study.engine);
+    if (engine.kind == Engine::Kind::slurm && request.jobs > 0)
+        throw Error(ExitCode::usage,
+                    "--jobs does not go with --on slurm: Slurm says how many tasks work at a time; leave it out");
+    return engine;
+}
+
 ExitCode work_somewhere(const Request& request, const StudyFolder& study, const std::vector<size_t>& cases) {
     if (request.study.engine.empty() || cases.empty()) return work_here(request, study, cases);
-    const Engine engine = parse_engine(request.study.engine);
+    const Engine engine = engine_of(request);
     if (engine.kind == Engine::Kind::parallel) {
         run_by_parallel(study, cases, engine.options, request.jobs);
         return conclude_study(request, study);
@@ -102,7 +110,7 @@ Request completed(const Request& request) {
 ExitCode start_study(const Request& request) {
     if (request.model == "-")
         throw Error(ExitCode::usage, "a study keeps a copy of its model: give a file instead of the standard input");
-    if (!request.study.engine.empty()) parse_engine(request.study.engine);  // a wrong word shows before anything is made
+    if (!request.study.engine.empty()) engine_of(request);  // a wrong word shows before anything is made
     const Request own = completed(request);
     const Plugins plugins(own.plugins);
     const Model model = read_model(own.model, plugins.catalogue(), own.overrides);

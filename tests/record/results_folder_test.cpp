@@ -94,6 +94,15 @@ TEST(ResultsFolder, AForeignFolderIsRefusedAndUntouched) {
     EXPECT_THAT(names_in(temporary.path()), ElementsAre("thesis.tex"));
 }
 
+// Its hidden files come first, and tell nobody what the folder is.
+TEST(ResultsFolder, AStudyIsCalledAStudy) {
+    const TemporaryFolder temporary;
+    for (const char* file : {".collecting", "study.json", "results.csv"}) write_text(temporary / file, "");
+    expect_refused(temporary.path(),
+                   HasSubstr("holds a study, which no other command replaces; choose another folder with -o"));
+    EXPECT_EQ(names_in(temporary.path()).size(), 3u);
+}
+
 TEST(ResultsFolder, ResultsWithoutOurMarkerAreForeign) {
     const TemporaryFolder temporary;
     write_text(temporary / "history.csv", "of another program");

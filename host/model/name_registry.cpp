@@ -72,4 +72,12 @@ const std::vector<TomlValue>& read_entries(const TableReader& file, const char* 
     return none;
 }
 
+std::string read_free_name(const TableReader& table, const char* kind) {
+    const std::string name = normalise_name(table.text("name").value_or(""));
+    if (const auto fault = find_brace(name))
+        table.context().diagnostics.error(table.find("name")->value.place,
+                                          fmt::format("{} name {} {}", kind, quote(name), *fault));
+    return name;
+}
+
 }  // namespace dttmm::host

@@ -46,4 +46,7 @@ std::string entry_note(const char* kind, std::size_t index);
 /// The entries of [[kind]]; none if the key is missing. Anything but a list of tables is reported.
 const std::vector<TomlValue>& read_entries(const TableReader& file, const char* kind);
 
+/// The required key `name` of what is no channel: it may hold anything but braces. Empty with a fault, which is reported.
+std::string read_free_name(const TableReader& table, const char* kind);
+
 }  // namespace dttmm::host

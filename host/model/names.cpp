@@ -15,6 +15,8 @@ namespace {
 
 constexpr int kLongestName = 100;
 
+constexpr const char* kBrace = "a brace (braces hold the index of a [[repeat]], and this is in none)";
+
 bool is_name_character(utf8proc_int32_t character) {
     if (character == '_' || character == '-') return true;
     const auto category = utf8proc_category(character);
@@ -24,7 +26,7 @@ bool is_name_character(utf8proc_int32_t character) {
 
 std::string character_text(utf8proc_int32_t character) {
     if (character == '.') return "a dot (it separates body from marker)";
-    if (character == '{' || character == '}') return "a brace (braces hold the index of a [[repeat]], and this is in none)";
+    if (character == '{' || character == '}') return kBrace;
     if (character > ' ' && character < 0x7f) return fmt::format("'{}'", static_cast<char>(character));
     return fmt::format("the character U+{:04X}", character);
 }
@@ -41,6 +43,11 @@ std::string normalise_name(std::string_view name) {
     const std::unique_ptr<utf8proc_uint8_t, decltype(&std::free)> owner(buffer, &std::free);
     if (length < 0) return std::string(name);
     return std::string(reinterpret_cast<const char*>(buffer), as_size(length));
+}
+
+std::optional<std::string> find_brace(std::string_view name) {
+    if (name.find_first_of("{}") == name.npos) return std::nullopt;
+    return fmt::format("holds {}", kBrace);
 }
 
 std::optional<std::string> find_name_fault(std::string_view name) {

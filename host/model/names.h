@@ -16,4 +16,7 @@ std::string normalise_name(std::string_view name);
 /// What is wrong with a normalised name: the rule it breaks, ready to follow `body name "x" `; nothing if it is a name.
 std::optional<std::string> find_name_fault(std::string_view name);
 
+/// The same of a name that may hold anything but braces: outside of a [[repeat]] they stand for nothing.
+std::optional<std::string> find_brace(std::string_view name);
+
 }  // namespace dttmm::host

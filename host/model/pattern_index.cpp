@@ -39,6 +39,35 @@ std::string in_braces(std::string_view inner, const PatternIndices& indices, con
     return number_text(evaluate_expression(inner, known) + 0.0);
 }
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Of names and numbers in an expression.
+bool is_of_word(char c) {
+    return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '.' ||
+           static_cast<unsigned char>(c) >= 0x80;
+}
+
+/// What the braces around `inner` become in an expression, behind `before`: the end of a name, as in "k{i}", or else the
+/// operand that an index itself would be.
+std::string in_expression(std::string_view before, std::string_view inner, const std::string& value) {
+    std::size_t begin = before.size();
+    while (begin > 0 && is_of_word(before[begin - 1])) --begin;
+    const std::string word(before.substr(begin));
+    const bool is_plain = std::ranges::all_of(value, is_of_word);
+    if (word.empty()) return is_plain ? value : "(" + value + ")";
+    const std::string whole = fmt::format("{}{{{}}}", word, inner);
+    const bool is_number = is_digit(word.front()) || word.front() == '.';
+    if (is_number && (is_digit(word.back()) || word.back() == '.'))
+        fail_text(fmt::format("{} would put digits together to {}{}; write {}*{} for a product", quote(whole), word, value,
+                              word, bare_name(inner).empty() ? fmt::format("({})", inner) : std::string(inner)));
+    if (!is_number && !is_plain)
+        fail_text(
+            fmt::format("{} would be {}{}, which is no name; in a name the index is a whole number from 0 on, or a text "
+                        "of letters, digits and '_'",
+                        quote(whole), word, value));
+    return value;
+}
+
 }  // namespace
 
 PatternIndex numbered_index(const std::string& name, double number) { return {name, number, number_text(number + 0.0)}; }
@@ -67,7 +96,9 @@ std::string with_indices(std::string_view text, const PatternIndices& indices, c
         if (end == text.npos || text[end] == '{')
             fail_text(
                 fmt::format("the brace is not closed in {}; an index stands in braces, as \"bolt{{i}}\"", quote(text)));
-        result += in_braces(text.substr(brace + 1, end - brace - 1), indices, constants);
+        const std::string_view inner = text.substr(brace + 1, end - brace - 1);
+        const std::string value = in_braces(inner, indices, constants);
+        result += text.starts_with('=') ? in_expression(result, inner, value) : value;
         at = end + 1;
     }
     if (!result.starts_with("=")) return result;

@@ -28,8 +28,9 @@ std::optional<std::string> find_index_fault(const std::string& name, const Patte
                                             const Constants& constants);
 
 /// A text of a pattern in one copy: "{i+1}" is replaced by its value, and in an expression ("=...") the name of an index by
-/// its number. Braces may hold an expression over indices and `constants`. Throws Error(model_invalid) for a brace that is
-/// not closed or not opened, for an unknown name, and for an index of texts in an expression.
+/// its number. Braces may hold an expression over indices and `constants`. In an expression their value ends a name, or is
+/// an operand. Throws Error(model_invalid) for a brace that is not closed or not opened, for an unknown name, for an index
+/// of texts in an expression, and for braces that would make another number or no name there.
 std::string with_indices(std::string_view text, const PatternIndices& indices, const Constants& constants);
 
 /// The functions below report a fault and return nothing. `outer`: indices of the patterns around this one.

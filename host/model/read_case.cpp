@@ -72,7 +72,7 @@ private:
         if (!table.is_valid()) return;
         LoadCase load_case;
         load_case.place = file_.context().diagnostics.place_text(entry.place);
-        load_case.name = normalise_name(table.text("name").value_or(""));
+        load_case.name = read_free_name(table, "case");
         load_case.load_factors.assign(model_.loads.size(), 0);
         load_case.motion_factors.assign(model_.nodes.size(), 0);
         if (const TomlMember* name = table.find("name")) {

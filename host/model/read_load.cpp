@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "model/index.h"
+#include "model/name_registry.h"
 #include "model/names.h"
 #include "model/read_rotation.h"
 #include "model/read_signal.h"
@@ -216,7 +217,7 @@ std::vector<Load> read_load(const ReadContext& context, const TomlValue& entry, 
     std::optional<Load> load = is_along ? read_line_load(table, *place, magnitude, places)
                                         : read_point_load(table, *place, magnitude, places.attachments);
     if (!load) return {};
-    if (table.find("name")) load->name = normalise_name(table.text("name").value_or(""));
+    if (table.find("name")) load->name = read_free_name(table, "load");
     return is_unbalance ? read_unbalance(table, *magnitude, *load) : std::vector{*load};
 }
 

@@ -247,5 +247,33 @@ TEST(Patterns, TheirSizeIsBounded) {
     EXPECT_LT(fault.size(), 10000u);
 }
 
+/// The stiffness of an element in a repeat over `values`, copy by copy.
+std::vector<double> repeated_stiffness(const std::string& values, const std::string& stiffness) {
+    std::vector<double> found;
+    const Model model = parse(model_with("[parameters]\nk3 = 7\nk = 20\n[[repeat]]\nindex = \"i\"\nvalues = " + values +
+                                         "\n[[repeat.element]]\ntype = \"spring_damper\"\nfrom = \"ground\"\nname = "
+                                         "\"b{i + 5}\"\nto = \"plate.a\"\nstiffness = \"" +
+                                         stiffness + "\"\n"));
+    for (const Element& element : model.elements) found.push_back(element.values.front());
+    return found;
+}
+
+// Oracle: the same expression with the index as a name, of numbers below zero too.
+TEST(Patterns, BracesInExpressionsAreNumbersAsIndicesAre) {
+    EXPECT_EQ(repeated_stiffness("[-3, 2]", "=100 + {i}^2"), repeated_stiffness("[-3, 2]", "=100 + i^2"));
+    EXPECT_EQ(repeated_stiffness("[-3, 2]", "=100 - {i - 1}^2*{i}"), repeated_stiffness("[-3, 2]", "=100 - (i - 1)^2*i"));
+    EXPECT_EQ(repeated_stiffness("[-3, 2]", "=100 + 2*{i}"), (std::vector<double>{94, 104}));
+    EXPECT_EQ(repeated_stiffness("[3]", "=k{i}"), (std::vector<double>{7}));
+    EXPECT_EQ(repeated_stiffness("[-3]", "=1e{i}"), (std::vector<double>{1e-3}));
+}
+
+TEST(Patterns, BracesThatWouldMakeAnotherNumberOrNameAreRefused) {
+    const auto fault = [](const std::string& values, const std::string& stiffness) {
+        return error_of([&] { repeated_stiffness(values, stiffness); }, ExitCode::model_invalid);
+    };
+    EXPECT_THAT(fault("[3]", "=2{i}"), HasSubstr("\"2{i}\" would put digits together to 23; write 2*i for a product"));
+    EXPECT_THAT(fault("[-3]", "=k{i}"), HasSubstr("\"k{i}\" would be k-3, which is no name"));
+}
+
 }  // namespace
 }  // namespace dttmm::host

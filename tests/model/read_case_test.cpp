@@ -42,6 +42,14 @@ gravity = 0.25
     EXPECT_TRUE(model.warnings.empty());
 }
 
+TEST(ReadCase, ABraceOutsideOfARepeatIsNoName) {
+    EXPECT_EQ(errors_of(with_cases("[[load]]\nname = \"l{i}\"\non = \"plate\"\ndirection = [1, 0, 0]\nforce = 1\n[[case]]\n"
+                                   "name = \"c{i}\"\nloads = [\"snow\", \"wind\"]\n")),
+              "m.toml:28:8: load name \"l{i}\" holds a brace (braces hold the index of a [[repeat]], and this is in none)\n"
+              "m.toml:33:8: case name \"c{i}\" holds a brace (braces hold the index of a [[repeat]], and this is in none)");
+    EXPECT_TRUE(parse(with_cases("[[case]]\nname = \"wind & snow, 1.5\"\nloads = [\"snow\", \"wind\"]\n")).warnings.empty());
+}
+
 TEST(ReadCase, OneThatIsAskedForScalesTheLoads) {
     ModelOverrides overrides;
     overrides.load_case = "b";

@@ -111,9 +111,11 @@ std::vector<Figure> result_columns(const std::vector<Case>& cases, const Model& 
     std::vector<Figure> columns;
     const auto first = std::find_if(cases.begin(), cases.end(), [](const Case& one) { return one.status == "completed"; });
     if (first == cases.end()) return columns;
-    for (const auto& [owner, quantities] : first->summary["elements"].items())
-        for (const auto& [axis, numbers] : quantities["force"].items())
+    for (const auto& [owner, quantities] : first->summary["elements"].items()) {
+        if (!quantities.contains("force")) continue;
+        for (const auto& [axis, numbers] : quantities.at("force").items())
             for (const char* statistic : {"peak", "final"}) columns.push_back({"elements", owner, "force", axis, statistic});
+    }
     for (const auto& [owner, quantities] : first->summary["accelerations"].items())
         if (used.contains(owner))
             for (const auto& [axis, numbers] : quantities["acceleration"].items())
@@ -169,23 +171,38 @@ std::string sweep_table(const std::vector<Case>& cases, const Model& model, cons
 double peak_force(const Case& one, const std::string& element) {
     if (one.status != "completed") return std::numeric_limits<double>::quiet_NaN();
     double peak = 0;
-    for (const auto& [axis, numbers] : one.summary["elements"].at(element)["force"].items())
+    for (const auto& [axis, numbers] : one.summary.at("elements").at(element).at("force").items())
         peak = std::max(peak, numbers["peak"].get<double>());
     return peak;
+}
+
+/// Elements that have a force, unlike masses: by the first case that completed; if none did, all.
+std::vector<std::string> elements_with_forces(const std::vector<Case>& cases, const Model& model) {
+    const auto first = std::ranges::find(cases, "completed", &Case::status);
+    std::vector<std::string> names;
+    for (const Element& element : model.elements) {
+        if (first != cases.end()) {
+            const Json& all = first->summary.at("elements");
+            if (!all.contains(element.name) || !all.at(element.name).contains("force")) continue;
+        }
+        names.push_back(element.name);
+    }
+    return names;
 }
 
 /// What was varied and the peak force of every element, a line per case; of many the first.
 void print_table(const std::vector<Case>& cases, const Model& model) {
     constexpr size_t kMostCases = 40, kMostElements = 8;
-    const size_t shown = std::min(cases.size(), kMostCases), elements = std::min(model.elements.size(), kMostElements);
+    const std::vector<std::string> names = elements_with_forces(cases, model);
+    const size_t shown = std::min(cases.size(), kMostCases), elements = std::min(names.size(), kMostElements);
     std::vector<std::vector<std::string>> lines = {{"case"}};
     for (const auto& [name, value] : cases.front().parameters) lines.front().push_back(name);
-    for (size_t e = 0; e < elements; ++e) lines.front().push_back(model.elements[e].name + " [N]");
+    for (size_t e = 0; e < elements; ++e) lines.front().push_back(names[e] + " [N]");
     for (size_t i = 0; i < shown; ++i) {
         lines.push_back({std::to_string(i + 1)});
         for (const auto& [name, value] : cases[i].parameters) lines.back().push_back(value);
         for (size_t e = 0; e < elements; ++e) {
-            const double peak = peak_force(cases[i], model.elements[e].name);
+            const double peak = peak_force(cases[i], names[e]);
             lines.back().push_back(std::isnan(peak) ? cases[i].status : fmt::format("{:.5g}", peak));
         }
     }
@@ -198,8 +215,8 @@ void print_table(const std::vector<Case>& cases, const Model& model) {
         for (size_t c = 0; c < line.size(); ++c) text += fmt::format("{}{:>{}}", c == 0 ? "" : "  ", line[c], width[c]);
         fmt::print("{}\n", text);
     }
-    if (shown < cases.size() || elements < model.elements.size())
-        fmt::print("sweep.csv has all {} cases and {} elements\n", cases.size(), model.elements.size());
+    if (shown < cases.size() || elements < names.size())
+        fmt::print("sweep.csv has all {} cases and {} elements\n", cases.size(), names.size());
 }
 
 void print_failures(const std::vector<Case>& cases) {

@@ -56,6 +56,49 @@ TEST_F(Sweep, ACaseIsTheRunWithItsValues) {
     EXPECT_THAT(table()[4], StartsWith("case-000003,5,completed,,0,"));
 }
 
+// Oracle: the columns of the table on the screen: an element for each that has a force.
+TEST_F(Sweep, MassesHaveNoForceToShow) {
+    write_text(folder_ / "model.toml", R"(format = "dttmm/1"
+[parameters]
+k = 1e5
+[simulation]
+duration = 0.01
+step = "1 ms"
+[nodes]
+tip = [0.3, 0, 0]
+[[body]]
+name = "b"
+mass = 3
+inertia = [0.02, 0.03, 0.025]
+velocity = [1, 0, 0]
+[[element]]
+name = "weight"
+type = "rigid_body"
+at = "tip"
+mass = 0.5
+inertia = { xx = 0.001, yy = 0.001, zz = 0.001 }
+[[element]]
+name = "mount"
+type = "spring_damper"
+from = "ground"
+to = "b"
+stiffness = "=k"
+rotational_stiffness = 500
+[[element]]
+name = "arm"
+type = "spring_damper"
+from = "b"
+to = "tip"
+stiffness = 1e4
+rotational_stiffness = 1e3
+)");
+    const Ended ended = sweep({"k=1e5,2e5"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, HasSubstr("mount [N]"));
+    EXPECT_THAT(ended.out, HasSubstr("arm [N]"));
+    EXPECT_THAT(ended.out, testing::Not(HasSubstr("weight")));
+}
+
 TEST_F(Sweep, TwoAxesSpanAGridTheLastFastest) {
     write_text(folder_ / "model.toml", small_model_with("mass = \"2 kg\"", "mass = \"2 kg\"\nk = 7"));
     EXPECT_EQ(sweep({"mass=1 kg,2 kg", "k=3..5:3"}).code, 0);

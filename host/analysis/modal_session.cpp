@@ -41,7 +41,7 @@ void note_laws(const Model& model, const ElementCatalogue& catalogue, Warnings& 
     warnings.note(
         "law-linearised",
         fmt::format("{}: element \"{}\"{}: the frequencies are those of small vibrations: its springs that are not "
-                    "linear count with their stiffness at the start",
+                    "linear count with the tangent of their force where the machine rests, or is placed",
                     with_laws[0]->place, with_laws[0]->name,
                     with_laws.size() > 1 ? fmt::format(" and {} more", with_laws.size() - 1) : ""));
 }

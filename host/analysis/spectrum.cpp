@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 
 #include "analysis/recorded_run.h"
 #include "analysis/spectra.h"
@@ -105,18 +107,25 @@ size_t SpectrumCommand::find_segment_size() const {
     return size;
 }
 
+/// What moves by rounding only would count like a vibration where all channels count alike.
 void SpectrumCommand::find_levels() {
-    std::vector<std::string> constant;
+    constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();  // of the largest value in the same unit
+    std::map<std::string, double> largest;
     for (size_t c = 0; c < run_.channels().size(); ++c) {
         levels_.push_back(levels_of(run_.values()[c]));
-        if (levels_.back().is_constant)
+        double& most = largest[channel(c).unit];
+        most = std::max(most, levels_.back().peak);
+    }
+    std::vector<std::string> constant;
+    for (size_t c = 0; c < levels_.size(); ++c) {
+        if (levels_[c].is_constant || levels_[c].deviation <= kRounding * largest[channel(c).unit])
             constant.push_back(channel(c).name);
         else
             moving_.push_back(c);
     }
     if (!constant.empty())
         warnings_.note("constant-channel",
-                       fmt::format("{} constant in the window and not in spectrum.csv: {}",
+                       fmt::format("{} constant in the window, or but for rounding, and not in spectrum.csv: {}",
                                    counted(constant.size(), "channel is", "channels are"), listed(constant)));
 }
 

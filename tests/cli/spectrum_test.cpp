@@ -174,12 +174,25 @@ TEST_F(SpectrumOfARun, TheWindowOfTimeIsAsAskedFor) {
         [](double) { return 3; });
     EXPECT_THAT(spectrum({"--from", "5 s", "--to", "8500 ms"}).out,
                 AllOf(HasSubstr("351 rows from 5 s"), HasSubstr("2 at 1")));
-    EXPECT_THAT(ask({}).err, HasSubstr("1 channel is constant in the window and not in spectrum.csv: b"));
+    EXPECT_THAT(ask({}).err,
+                HasSubstr("1 channel is constant in the window, or but for rounding, and not in spectrum.csv: b"));
     EXPECT_THAT(spectrum({"--segments", "9", "--window", "flattop", "--channels", "a"}).out,
                 HasSubstr("flattop, 9 segments"));
     EXPECT_THAT(read_text(folder_ / "out/spectrum.csv"), Not(HasSubstr("phase")));
     EXPECT_THAT(spectrum({"--resolution", "0.5 Hz", "--channels", "a,b"}).out, HasSubstr("resolution 0.5 Hz"));
     EXPECT_THAT(read_text(folder_ / "out/spectrum.csv"), HasSubstr("frequency,a.amplitude,a.psd\nHz,m,(m)^2/Hz\n"));
+}
+
+// Oracle: one unit in the last place of 3 is rounding; 1e-12 of it is not.
+TEST_F(SpectrumOfARun, WhatMovesByRoundingOnlyIsConstant) {
+    const auto note_with = [&](double size) {
+        write_history(
+            1000, 0.01, [](double t) { return std::sin(kFullTurn * 3 * t); },
+            [=](double t) { return 3 + size * std::round(std::sin(kFullTurn * 7 * t)); });
+        return ask({}).err;
+    };
+    EXPECT_THAT(note_with(4.5e-16), HasSubstr("1 channel is constant in the window, or but for rounding"));
+    EXPECT_THAT(note_with(3e-12), Not(HasSubstr("constant")));
 }
 
 // Oracle: closed forms. Recorded is s_h with tanh(s_h h/2) = s h/2; without that shift it is s = -c/2m +- i sqrt(k/m -

@@ -145,7 +145,14 @@ void RestingParts::add_joint(const Joint& joint, const AtRest::Link& link, Ends 
     bond.springs = tangent;
     bond.stiffness = bond.axes * joint.along(x, tangent) * bond.axes.transpose();
     bond.damping = bond.axes * damping * bond.axes.transpose();
-    const Matrix6 rows[2] = {rigid_rows(x.tail<3>(), joint.by_from(pose)), rigid_rows(x.tail<3>(), joint.by_to(pose))};
+    // Ground, and a support, moves by its motion at the origin of the world
+    const bool is_ground[2] = {from < 0, to < 0};
+    const auto by_ground = [&](int end) {
+        return FrequencyModel::at_point((end == 0 ? placed.at.from : placed.at.to).origin(), Vector3::Zero());
+    };
+    Matrix6 rows[2] = {rigid_rows(x.tail<3>(), joint.by_from(pose)), rigid_rows(x.tail<3>(), joint.by_to(pose))};
+    for (int k : {0, 1})
+        if (is_ground[k]) rows[k] *= by_ground(k);
     for_each_rigid(joint, [&](int, int d) {
         bond.held.push_back(bond.axes.col(d));
         bond.hold(rows[0].row(d).transpose(), rows[1].row(d).transpose());
@@ -153,13 +160,9 @@ void RestingParts::add_joint(const Joint& joint, const AtRest::Link& link, Ends 
     bond.spread = spread_tangent(placed, link.force, link.rigid);
     EndBlocks turning = turning_stiffness(placed, link.force, link.rigid, bond.spread);
     // The rest balances on a frame that moves by itself: what is not symmetric adds up to nothing. A support has a given
-    // motion; like all that is ground, by its motion at the origin of the world
-    const bool is_ground[2] = {from < 0, to < 0};
-    for (int k : {0, 1}) {
-        if (!is_ground[k]) continue;
-        const Vector3 origin = k == 0 ? placed.at.from.origin() : placed.at.to.origin();
-        turning.at[1 - k][k] *= FrequencyModel::at_point(origin, Vector3::Zero());
-    }
+    // motion
+    for (int k : {0, 1})
+        if (is_ground[k]) turning.at[1 - k][k] *= by_ground(k);
     if (!is_ground[0] && !is_ground[1]) {
         const Matrix6 across = 0.5 * (turning.at[0][1] + turning.at[1][0].transpose());
         turning.at[0][1] = across;

@@ -785,6 +785,45 @@ TEST_F(SteadyVibration, AStrainedMachineGoesAlongWithItsSupports) {
         }
 }
 
+// Oracle: the same machine elsewhere, and the support's own place. A support that is not fixed in all directions turns about
+// its node, not about the origin of the world.
+TEST_F(SteadyVibration, ASupportTurnsAboutItsNode) {
+    const auto at = [&](double place) {
+        return response(fmt::format(R"(format = "dttmm/1"
+[nodes]
+foot = {{ position = [{0}, {0}, 0], fixed = ["x", "y", "z", "ry"], motion = {{ ry = {{ type = "harmonic", amplitude = 1e-4, frequency = 2, phase = "-90 deg" }} }} }}
+[[body]]
+name = "b"
+mass = 2
+inertia = [0.01, 0.012, 0.014]
+position = [{1}, {0}, 0]
+[[element]]
+name = "bar"
+type = "beam"
+from = "foot"
+to = "b"
+segments = 4
+section = {{ circle = "12 mm" }}
+material = {{ E = "70 GPa", poisson = 0.3, density = "2700 kg/m^3" }}
+[[element]]
+name = "k"
+type = "spring_damper"
+from = "ground"
+to = "b"
+stiffness = 2000
+rotational_stiffness = 30
+)",
+                                    place, place + 0.5),
+                        {"--about", "equilibrium", "--in", "foot.ry", "--out", "bar.force", "--out", "b.position", "--out",
+                         "foot.position", "--from", "0.001 Hz", "--to", "0.002 Hz", "--points", "2", "-q"});
+    };
+    const Table here = at(0), there = at(1.25);
+    EXPECT_GT(std::abs(here.value(0, "bar.force.z.re")), 100);
+    for (const std::string channel : {"bar.force.x", "bar.force.z", "b.position.z", "foot.position.x", "foot.position.z"})
+        EXPECT_NEAR(there.value(0, channel + ".re"), here.value(0, channel + ".re"), 1e-6) << channel;
+    EXPECT_EQ(there.value(0, "foot.position.z.re"), 0);
+}
+
 /// A beam between a clamped node and a free one under a force along it, and further loads.
 std::string loaded_beam(bool from_tip, double along, const std::string& loads) {
     return fmt::format(R"(format = "dttmm/1"

@@ -241,7 +241,9 @@ void FrequencyAssembly::add_lines(const std::vector<LineSpec>& specs) {
             std::vector<Vector6> forces = resting.forces;
             for (Vector6& own : forces) own = both(spec.line.axes.transpose()) * own;
             const double length = (spec.finish - spec.start).norm();
-            add_line(spec, from, to, LineForces(std::move(forces), length, resting.turning / length));
+            add_line(spec, from, to,
+                     LineForces(std::move(forces), length, resting.turning / length,
+                                spec.line.stretches_only ? nullptr : &spec.line.section));
         } catch (const Error& error) {
             throw Error(error.status(), error.what(), spec.element);
         }

@@ -33,11 +33,24 @@ Matrix13 turning_of_section(const Vector6& forces, const Vector3& load, const Tw
 
 }  // namespace
 
-LineForces::LineForces(std::vector<Vector6> forces, double length, const Vector6& turning)
+LineForces::LineForces(std::vector<Vector6> forces, double length, const Vector6& turning, const Section* section)
     : stations_(std::move(forces)), length_(length), turning_(turning) {
     const double quarter = 0.25 * length_ / segments();
     stations_.front().tail<3>() -= quarter * moment_slope(stations_.front());
     stations_.back().tail<3>() += quarter * moment_slope(stations_.back());
+    if (!section) return;
+    bends_ << 1 / section->EIz, 1 / section->EIy;
+    shears_ << 1 / section->GAy, 1 / section->GAz;
+    const double step = length_ / segments();
+    turns_ = {Eigen::Vector2d::Zero()};
+    Eigen::Vector2d rise = Eigen::Vector2d::Zero();
+    for (int k = 0; k < segments(); ++k) {
+        const double s = k * step;
+        turns_.push_back(turns_.back() + step / 6 * (bend(s) + 4 * bend(s + 0.5 * step) + bend(s + step)));
+        for (size_t i = 0; i < LineShapes::kPoints.size(); ++i)
+            rise += LineShapes::kWeights[i] * step * slope(s + LineShapes::kPoints[i] * step);
+    }
+    mean_slope_ = rise / length_;
 }
 
 Vector3 LineForces::turning_load(double s) const {
@@ -73,8 +86,13 @@ int LineForces::pieces(const Section& section) const {
         varies = std::max(varies, std::abs(station(0) - axial) / along);
         bends = std::max(bends, station.tail<3>().squaredNorm() / across);
     }
-    if (varies <= kShare && bends <= kShare) return 1;
-    const double wanted = std::max(std::pow(varies / kVaries, 0.25), std::sqrt(bends / kShare));
+    double steepest = 0;
+    for (size_t k = 0; k < turns_.size(); ++k)
+        steepest = std::max(steepest, slope(length_ * static_cast<double>(k) / segments()).norm());
+    const double bent = steepest * length_ / 4 * std::sqrt(section.EA / bending);  // of the radius of gyration
+    if (varies <= kShare && bends <= kShare && bent <= kShare) return 1;
+    const double wanted =
+        std::max({std::pow(varies / kVaries, 0.25), std::sqrt(bends / kShare), std::pow(bent / kVaries, 0.25)});
     return std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e6))), 1, segments());
 }
 
@@ -91,6 +109,35 @@ Matrix12 LineForces::stiffness(double start, double length, double axial, double
     }
     const Vector12 by_twist = sum.topRightCorner<12, 1>();
     return sum.topLeftCorner<12, 12>() - by_twist * by_twist.transpose() / (16 * GJ / (3 * length));
+}
+
+/// The curvature of the axis but for what shear makes of it, as the slope of its y and z.
+Eigen::Vector2d LineForces::bend(double s) const {
+    const Vector6 forces = at(s);
+    return bends_.cwiseProduct(Eigen::Vector2d(forces(5), -forces(4)));
+}
+
+/// How far it has turned from its start, by Simpson's rule: moments are cubics.
+Eigen::Vector2d LineForces::turn(double s) const {
+    const double step = length_ / segments();
+    const int k = std::clamp(static_cast<int>(s / step), 0, segments() - 1);
+    const double from = k * step, part = s - from;
+    return turns_[as_size(k)] + part / 6 * (bend(from) + 4 * bend(from + 0.5 * part) + bend(s));
+}
+
+/// Of the axis against the line between its ends.
+Eigen::Vector2d LineForces::slope(double s) const {
+    return turn(s) + shears_.cwiseProduct(at(s).segment<2>(1)) - mean_slope_;
+}
+
+Matrix12 LineForces::stiffness_of_axis(double start, double length, double EA, const LineShapes& shapes) const {
+    if (turns_.empty()) return Matrix12::Zero();
+    Vector12 longer = Vector12::Zero();
+    for (size_t k = 0; k < shapes.at.size(); ++k)
+        longer += LineShapes::kWeights[k] * length * shapes.at[k].slope.middleRows<2>(1).transpose() *
+                  slope(start + LineShapes::kPoints[k] * length);
+    const Vector12 drawn = Vector12::Unit(6) - Vector12::Unit(0), all = drawn + longer;
+    return EA / length * (all * all.transpose() - drawn * drawn.transpose());
 }
 
 }  // namespace dttmm::plugin

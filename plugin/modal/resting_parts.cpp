@@ -17,8 +17,8 @@ namespace dttmm::plugin {
 
 namespace {
 
-/// Of a line that counts as straight: how far it may be bent, as share of its radius of gyration. An arch that rises by r
-/// times that radius is stiffer along by a share of r².
+/// Of a line that counts as nearly straight: how far it may be bent, as share of its radius of gyration. What its bend does
+/// is in the pieces to first order; at 0.03 of that radius they err by 5e-7 of a frequency, at 0.1 by 1e-5.
 constexpr double kStraight = 0.05;
 
 }  // namespace
@@ -225,7 +225,9 @@ void RestingParts::add_bar_force(const LineModel& line, const LineForces& forces
 }
 
 void RestingParts::add_deviation(const LineModel& line, const LineForces& forces, double start, const LineShapes& shapes) {
-    const Matrix12 K = forces.stiffness(start, line.length(), line.axial, line.line.section.GJ, shapes);
+    const Section& section = line.line.section;
+    const Matrix12 K = forces.stiffness(start, line.length(), line.axial, section.GJ, shapes) +
+                       forces.stiffness_of_axis(start, line.length(), section.EA, shapes);
     Bond turning;
     turning.element = line.element;
     turning.from = line.from;

@@ -63,7 +63,31 @@ LineForces under_uniform_load(double q, int segments) {
         forces(5) = -q * s * (kPiece - s) / 2 - forces(1) * (at - s);  // the load stands in the middles of the segments
         joints.push_back(forces);
     }
-    return {joints, kPiece, Vector6::Zero()};
+    static const Section section = slender();
+    return {joints, kPiece, Vector6::Zero(), &section};
+}
+
+// Oracle: of a beam that sags by w under a uniform load, ∫ w'·u' ds = q L⁴/(120 EI) for the cubic u of a unit rotation of an
+// end, and the energy ½ EA/L (Δu_x + ∫ w'·u' ds)².
+TEST(LineForces, ABentAxisCouplesBendingAndTension) {
+    constexpr double kLoad = 370;
+    const Section section = slender();
+    Line line;
+    line.axes = Matrix3::Identity();
+    line.section = section;
+    const LineWaves waves(line, kPiece, Directions(0b111111));
+    const Matrix12 K = under_uniform_load(kLoad, 40).stiffness_of_axis(0, kPiece, section.EA, waves.static_shapes());
+    const double longer = kLoad * std::pow(kPiece, 4) / (120 * section.EIz), along = section.EA / kPiece;
+    const auto near = [](double found, double expected) { EXPECT_NEAR(found, expected, 2e-3 * std::abs(expected)); };
+    near(K(0, 5), -along * longer);
+    near(K(6, 5), along * longer);
+    near(K(6, 11), -along * longer);
+    near(K(5, 5), along * longer * longer);
+    near(K(5, 11), -along * longer * longer);
+    EXPECT_NEAR(K(6, 1), 0, 1e-6 * along * longer);  // a shift bends nothing
+    EXPECT_NEAR(K(6, 4), 0, 1e-12 * along * longer);
+    EXPECT_EQ(K(0, 0), 0);
+    EXPECT_EQ(K, K.transpose());
 }
 
 // Oracle: the parabola of a beam under a uniform load.

@@ -20,7 +20,24 @@ bool is_rigid(const ModalInstance::Damped& mode) { return mode.s == 0.0; }
 
 double ratio(const ModalInstance::Damped& mode) { return std::abs(mode.s) > 0 ? (0 - mode.s.real()) / std::abs(mode.s) : 0; }
 
+bool grows(const ModalInstance::Damped& mode) { return !is_rigid(mode) && mode.s.real() > 1e-9 * std::abs(mode.s); }
+
+const char* in_words(const ModalInstance::Damped& mode) {
+    if (grows(mode)) return mode.s.imag() == 0 ? "  grows without vibration" : "  grows";
+    return mode.s.imag() == 0 ? "  decays without vibration" : "";
+}
+
 }  // namespace
+
+double range_of_damped(const Model& model, const std::vector<ModalInstance::Mode>& modes) {
+    constexpr double kBeyond = 1.02;  // a damped frequency may lie above the undamped one
+    double last = 0, growth = 0;
+    for (const ModalInstance::Mode& mode : modes) {
+        last = std::max(last, mode.numbers.frequency);
+        growth = std::max(growth, -mode.numbers.frequency);
+    }
+    return std::max(model.modes.below.value_or(kBeyond * last), kBeyond * growth);
+}
 
 DampedModes find_damped_modes(ModalMachine& machine, double below, Warnings& warnings) {
     DampedModes damped{below, {}, 0};
@@ -35,7 +52,7 @@ DampedModes find_damped_modes(ModalMachine& machine, double below, Warnings& war
                      "the damped modes are not proved to be all and right: Newton's method would still change some by more "
                      "than 1e-8 of themselves (`correction` in damped.csv), or led two to one");
     for (const ModalInstance::Damped& mode : damped.modes)
-        if (!is_rigid(mode) && mode.s.real() > 1e-9 * std::abs(mode.s))
+        if (grows(mode))
             warnings.add("damped-mode-grows", fmt::format("the motion with {:.6g} Hz grows as exp({:.4g} t): the machine is "
                                                           "not stable",
                                                           mode.s.imag() / kTurn, mode.s.real()));
@@ -97,7 +114,7 @@ void print_damped(const DampedModes& damped) {
             fmt::print("{:>4} {:>14} Hz {:>11} Hz {:>9}  rigid\n", m + 1, 0, 0, "");
         else
             fmt::print("{:>4} {:>14.8g} Hz {:>11.8g} Hz {:>7.4g} %{}\n", m + 1, mode.s.imag() / kTurn,
-                       std::abs(mode.s) / kTurn, 100 * ratio(mode), mode.s.imag() == 0 ? "  decays without vibration" : "");
+                       std::abs(mode.s) / kTurn, 100 * ratio(mode), in_words(mode));
     }
     fmt::print("{}\n", damped.is_proved ? "complete: all eigenvalues of the linear equations, improved on the exact ones"
                                         : "not proved to be complete");

@@ -17,6 +17,10 @@ struct DampedModes {
     int32_t is_proved = 0;                     ///< see dttmm_response.h
 };
 
+/// Up to which |s|/2π damped modes are looked for beside these undamped ones [Hz]: a little beyond the last, or as the model
+/// says; far enough for all that grows.
+double range_of_damped(const Model& model, const std::vector<ModalInstance::Mode>& modes);
+
 /// Those up to `below` [Hz]. What is not proved, and what grows, goes to the warnings.
 DampedModes find_damped_modes(ModalMachine& machine, double below, Warnings& warnings);
 

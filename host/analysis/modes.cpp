@@ -164,13 +164,11 @@ void print_modes(const Model& model, const ModalMachine& machine, const std::vec
     }
 }
 
-/// Where they are asked for, up to a little beyond the last mode.
+/// Where they are asked for.
 std::optional<DampedModes> damped_of(const Request& request, const Plugins& plugins, const Model& model,
                                      ModalMachine& machine, const std::vector<Mode>& modes, Warnings& warnings) {
     if (!request.modes.is_damped) return std::nullopt;
-    constexpr double kBeyond = 1.02;
-    const double last = modes.empty() ? 0 : kBeyond * modes.back().numbers.frequency;
-    const double below = model.modes.below.value_or(last);
+    const double below = range_of_damped(model, modes);
     if (!(below > 0))
         throw Error(ExitCode::usage, "--damped: up to which frequency? nothing vibrates among these modes; give --below");
     note_damping(model, warnings);

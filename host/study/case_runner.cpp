@@ -81,8 +81,7 @@ Found find_frequencies(const Request& request, const Plugins& plugins, const std
     for (const ModalInstance::Mode& mode : modes)
         found.add(fmt::format("mode{}.frequency", found.values.size() + 1), "Hz", mode.numbers.frequency);
     if (request.modes.is_damped && !modes.empty()) {
-        constexpr double kBeyond = 1.02;  // a damped frequency may lie above the undamped one
-        const double below = session.model.modes.below.value_or(kBeyond * modes.back().numbers.frequency);
+        const double below = range_of_damped(session.model, modes);
         size_t number = 0;
         for (const ModalInstance::Damped& one : find_damped_modes(session.machine, below, warnings).modes) {
             ++number;

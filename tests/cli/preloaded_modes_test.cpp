@@ -256,6 +256,55 @@ force_per_length = 400
     EXPECT_NEAR(frequency(10, "exact"), lumped, 2e-4 * lumped);
 }
 
+// Oracle: ω² = m g l/(J + m l²) of a bob that stands on a hinge: it grows faster than the slow mass beside it vibrates.
+TEST(PreloadedModes, DampedModesReachToWhatGrows) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[[body]]
+name = "bob"
+mass = 1
+inertia = [0.01, 0.01, 0.01]
+position = [0, 0, 0.5]
+[[body]]
+name = "slow"
+mass = 2
+inertia = [0.01, 0.01, 0.01]
+position = [3, 0, 0]
+[[joint]]
+name = "pin"
+type = "hinge"
+between = ["ground", "bob"]
+anchor = [0, 0, 0]
+axis = [0, 1, 0]
+[[joint]]
+name = "rail"
+type = "slider"
+between = ["ground", "slow"]
+axis = [1, 0, 0]
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "slow"
+stiffness = [2, 0, 0]
+damping = [0.4, 0, 0]
+)");
+    for (const std::vector<std::string>& range : {std::vector<std::string>{}, {"--below", "0.2 Hz"}}) {
+        std::vector<std::string> words = {"modes", "model.toml", "--damped", "-o", "out"};
+        words.insert(words.end(), range.begin(), range.end());
+        const Ended ended = run_dttmm(folder.path(), words);
+        ASSERT_EQ(ended.code, 0) << ended.err;
+        EXPECT_THAT(ended.out, HasSubstr("grows without vibration"));
+        double growth = 0;
+        const nlohmann::json summary = read_json(folder / "out/summary.json");
+        for (const nlohmann::json& mode : summary["damped"]["modes"])
+            growth = std::max(growth, -mode["decay_per_s"].get<double>());
+        EXPECT_NEAR(growth, std::sqrt(9.81 * 0.5 / (0.01 + 0.25)), 1e-6);
+    }
+}
+
 /// A line between pins, of beams of one segment, under a lasting force at its far end that presses it. A pulse pushes its
 /// nodes aside by the shape of the lowest mode, so that nothing else rings.
 struct Line {

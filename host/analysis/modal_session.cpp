@@ -190,6 +190,16 @@ void note_damping(const Model& model, Warnings& warnings) {
                                   damping.place, damping.ratios.size()));
 }
 
+void note_forces_of_damping(const Model& model, Warnings& warnings) {
+    const DampingSettings& damping = model.damping;
+    if (damping.ratios.empty() && damping.mass_rate == 0) return;
+    warnings.note(
+        "damping-in-no-element",
+        fmt::format("{}: the forces of this damping act on the masses and are in no element: what elements carry to "
+                    "the ground lacks them",
+                    damping.place));
+}
+
 void warn_preload(const Model& model, Warnings& warnings) {
     if (!model.simulation.gravity.isZero(0))
         warnings.note("gravity-not-in-modes",

@@ -19,6 +19,8 @@ void warn_unbalanced(const RestState& rest, const std::string& place, Warnings& 
 
 /// What [damping] does not damp.
 void note_damping(const Model& model, Warnings& warnings);
+/// Of damping that belongs to no element, for commands that show forces of elements.
+void note_forces_of_damping(const Model& model, Warnings& warnings);
 
 /// Its machine about the state that the model asks for; what that is, and what is not in the frequencies, goes to the
 /// warnings.

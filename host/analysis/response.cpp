@@ -44,6 +44,7 @@ public:
           plan_(request, machine_.session.model, machine_.excitation, machine_.session.machine, warnings) {
         machine_.session.machine.damp(plan_.highest());
         note_damping(machine_.session.model, warnings);
+        note_forces_of_damping(machine_.session.model, warnings);
     }
 
     ExitCode run(ResponseFindings* findings);

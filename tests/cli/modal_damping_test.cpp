@@ -238,6 +238,22 @@ section = { EA = 3e6, mass = 0.8 }
     }
 }
 
+// Oracle: where the damping is given. Elements have the forces of their own damping only.
+TEST(ModalDamping, ItsForcesAreInNoElement) {
+    for (const char* damping : {"[damping]\nmodal = \"2 %\"\n", "[damping]\nmass_rate = \"2 1/s\"\n", ""}) {
+        const TemporaryFolder folder;
+        write_text(folder / "model.toml", masses_in_a_row(damping));
+        const Ended ended = run_dttmm(folder.path(), {"response", "model.toml", "--in", "n3.x", "--from", "5Hz", "--to",
+                                                      "9Hz", "--points", "3", "-o", "out"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        if (*damping == 0) {
+            EXPECT_THAT(ended.err, testing::Not(HasSubstr("in no element")));
+        } else {
+            EXPECT_THAT(ended.err, HasSubstr("act on the masses and are in no element"));
+        }
+    }
+}
+
 /// The row of masses between two feet that move.
 std::string row_between_feet(const std::string& damping) {
     std::string text = masses_in_a_row(damping);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "model/expression.h"
+#include "model/digits.h"
 
 #include <fmt/format.h>
 #include <muParser.h>
@@ -19,7 +20,6 @@ constexpr std::size_t kLongestExpression = 1000;  // [byte]
 
 [[noreturn]] void fail(const std::string& text) { throw Error(ExitCode::model_invalid, text); }
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_name_start(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || static_cast<unsigned char>(c) >= 0x80;
 }

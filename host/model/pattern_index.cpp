@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "model/pattern_index.h"
+#include "model/digits.h"
 
 #include <fmt/format.h>
 
@@ -38,8 +39,6 @@ std::string in_braces(std::string_view inner, const PatternIndices& indices, con
         fail_text("nothing stands between the braces; write an index, as \"{i}\"");
     return number_text(evaluate_expression(inner, known) + 0.0);
 }
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 /// Of names and numbers in an expression.
 bool is_of_word(char c) {

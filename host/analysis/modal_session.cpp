@@ -41,7 +41,7 @@ void note_laws(const Model& model, const ElementCatalogue& catalogue, Warnings& 
     warnings.note(
         "law-linearised",
         fmt::format("{}: element \"{}\"{}: the frequencies are those of small vibrations: its springs that are not "
-                    "linear count with the tangent of their force where the machine rests, or is placed",
+                    "linear count with the tangent of their force at the equilibrium, or where the file places the machine",
                     with_laws[0]->place, with_laws[0]->name,
                     with_laws.size() > 1 ? fmt::format(" and {} more", with_laws.size() - 1) : ""));
 }
@@ -135,7 +135,9 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
     if (machine.rest()) warn_unbalanced(*machine.rest(), "", warnings);
     for (const RestLimit& limit : machine.limits_at_rest())
         if (limit.most > 1) warn_limit(limit.channel, limit.element, limit.most, "at rest", warnings);
-    constexpr double kOfBend = 0.2;  // measured: a bar between a pin and an oblique guide, 0.1 to 0.2 for 1 to 20 segments
+    // Measured: a bar between a pin and an oblique guide, 0.1 to 0.2 for 1 to 20 segments; random beams, 0.04 at most where
+    // bending and torsion of the beam itself mix
+    constexpr double kOfBend = 0.2, kOfMass = 0.04;
     std::string first;
     size_t count = 0;
     for (size_t e = 0; e < model.elements.size(); ++e) {
@@ -143,11 +145,13 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
         const double share = machine.bent_at_rest(e, is_lumped);
         if (!is_lumped) {
             if (share > 0.005)
-                warnings.note("bent-beam",
-                              fmt::format("{}: element \"{}\" is bent at rest by {:.2g} of its radius of gyration; what "
-                                          "that does is in the frequencies to about {:.1g} of themselves, over the square "
-                                          "of the number of its segments",
-                                          model.elements[e].place, model.elements[e].name, share, kOfBend * share));
+                warnings.note(
+                    "bent-beam",
+                    fmt::format("{}: element \"{}\" is bent at rest by {:.2g} of its radius of gyration; its "
+                                "coupling of bending and tension is in the frequencies with a relative error of "
+                                "about {:.1g}/n^2 for n segments. Its mass counts as if it were straight, which "
+                                "vibrations of the beam itself may feel by {:.1g} of themselves",
+                                model.elements[e].place, model.elements[e].name, share, kOfBend * share, kOfMass * share));
             continue;
         }
         if (++count == 1)
@@ -160,7 +164,7 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
                                                first, count > 1 ? fmt::format(", and {} more are", count - 1) : ""));
 }
 
-/// Whether the file places a machine that nothing loads where its springs have forces, or asks for its equilibrium.
+/// Whether springs have forces at the start although nothing loads the machine, or a run starts at its equilibrium.
 bool is_strained(const Model& model, const ModalMachine& machine) {
     if (!model.modes.directions.all()) return false;
     for (size_t e = 0; e < model.elements.size(); ++e)

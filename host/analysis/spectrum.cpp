@@ -125,7 +125,7 @@ void SpectrumCommand::find_levels() {
     }
     if (!constant.empty())
         warnings_.note("constant-channel",
-                       fmt::format("{} constant in the window, or but for rounding, and not in spectrum.csv: {}",
+                       fmt::format("{} constant in the window, apart from round-off, and not in spectrum.csv: {}",
                                    counted(constant.size(), "channel is", "channels are"), listed(constant)));
 }
 

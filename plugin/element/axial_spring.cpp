@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "core/error.h"
@@ -68,6 +69,11 @@ Parts AxialSpring::discretise(std::span<const Pose> ends) const {
     const double length = (ends[1].position - ends[0].position).norm();
     JointLaw law = law_;
     law.axial = {length, natural_length_.value_or(length - elongation_)};
+    // A natural length that is the length but for rounding of the places of its ends is no preload
+    constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
+    if (natural_length_ &&
+        std::abs(*natural_length_ - length) <= kRounding * (ends[0].position.norm() + ends[1].position.norm()))
+        law.axial->natural = length;
     return {{}, {{0, 1, std::make_shared<const JointLaw>(law), {ends[1].position, axes}}}, {}};
 }
 

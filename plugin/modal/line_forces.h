@@ -21,7 +21,7 @@ struct LineShapes {
 };
 
 /// The section forces of a line at rest that is nearly straight, local axes, [f; m] on the positive face: f is linear
-/// between its stations, and m' = −e_x × f makes m a cubic there. Its axis lies aside of the straight line between its ends.
+/// between its stations, and m' = −e_x × f makes m a cubic there. Its axis lies beside the straight line between its ends.
 class LineForces {
 public:
     /// forces: in the joints of a line of equal segments, joint k where k segments end; the first and the last joint lie a
@@ -44,13 +44,13 @@ public:
 
     /// What these forces, without a uniform axial one, add to the stiffness from `start` over a piece as they turn with it:
     /// the second derivative of ∫ f·(−θ × u' + ½ θ × (θ × e_x)) − ½ m·(θ × θ') ds, θ the rotation vector. Loads q that turn
-    /// with the line have no potential: to it comes the symmetric part of what they do, of −∫ (θ × q)·δu ds.
+    /// with the line have no potential: the symmetric part of what they do, of −∫ (θ × q)·δu ds, is added.
     /// The shape between the ends is that without them, but for the torsion: it follows them with a parabola, held by GJ.
     /// Without it the load at which a deep beam tips over would err by 0.25 % at ten segments, not by 2e-5.
     Matrix12 stiffness(double start, double length, double axial, double GJ, const LineShapes& shapes) const;
-    /// What the axis adds from `start` over a piece because these forces bend it: where it lies aside by w and bends by u it
-    /// grows longer by ∫ w'·u' ds, and ½ EA/length ((Δu_x + ∫ w'·u' ds)² − Δu_x²) is its energy. To first order in w that
-    /// couples bending and tension.
+    /// What the axis adds from `start` over a piece because these forces bend it: where it lies beside the line by w and
+    /// bends by u it grows longer by ∫ w'·u' ds, and ½ EA/length ((Δu_x + ∫ w'·u' ds)² − Δu_x²) is its energy. To first
+    /// order in w that couples bending and tension.
     Matrix12 stiffness_of_axis(double start, double length, double EA, const LineShapes& shapes) const;
 
 private:

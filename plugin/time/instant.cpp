@@ -38,8 +38,9 @@ Twist Instant::velocity(int frame) const {
 }
 
 /// Of a joint's deformation. The forces of rigid directions are known over a step only. Velocities at the instant lack what
-/// these forces change within it, and a stiff damper would make large forces of that. So it would of the difference between
-/// Newmark's velocities inside and mean ones of bodies. In both cases rates are therefore those of the increments.
+/// these forces change within it, and a stiff damper would make large forces of that. It would do the same with the
+/// difference between Newmark's velocities inside and mean ones of bodies. In both cases rates are therefore those of the
+/// increments.
 Vector6 Instant::deformation_rate(size_t j, const JointPose& at) const {
     const Joint& joint = mechanism_.joints[j];
     const auto rate_of = [&](const Twist& v_from, const Twist& v_to) {

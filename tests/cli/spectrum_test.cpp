@@ -175,7 +175,7 @@ TEST_F(SpectrumOfARun, TheWindowOfTimeIsAsAskedFor) {
     EXPECT_THAT(spectrum({"--from", "5 s", "--to", "8500 ms"}).out,
                 AllOf(HasSubstr("351 rows from 5 s"), HasSubstr("2 at 1")));
     EXPECT_THAT(ask({}).err,
-                HasSubstr("1 channel is constant in the window, or but for rounding, and not in spectrum.csv: b"));
+                HasSubstr("1 channel is constant in the window, apart from round-off, and not in spectrum.csv: b"));
     EXPECT_THAT(spectrum({"--segments", "9", "--window", "flattop", "--channels", "a"}).out,
                 HasSubstr("flattop, 9 segments"));
     EXPECT_THAT(read_text(folder_ / "out/spectrum.csv"), Not(HasSubstr("phase")));
@@ -191,7 +191,7 @@ TEST_F(SpectrumOfARun, WhatMovesByRoundingOnlyIsConstant) {
             [=](double t) { return 3 + size * std::round(std::sin(kFullTurn * 7 * t)); });
         return ask({}).err;
     };
-    EXPECT_THAT(note_with(4.5e-16), HasSubstr("1 channel is constant in the window, or but for rounding"));
+    EXPECT_THAT(note_with(4.5e-16), HasSubstr("1 channel is constant in the window, apart from round-off"));
     EXPECT_THAT(note_with(3e-12), Not(HasSubstr("constant")));
 }
 

@@ -59,6 +59,11 @@ TEST(AxialSpring, HasItsNaturalLengthOrItsPreload) {
     EXPECT_NEAR(start_force({{"stiffness", {800}}, {"natural_length", {1.1}}}), 800 * 0.3, 1e-12);
     EXPECT_NEAR(start_force({{"stiffness", {800}}, {"natural_length", {1.9}}}), -800 * 0.5, 1e-12);
     EXPECT_NEAR(start_force({{"stiffness", {800}}, {"natural_length", {0}}}), 800 * 1.4, 1e-12);
+    const double length = part_of({{"stiffness", {800}}}).law->axial->length;
+    for (const double rounding : {-4e-16, 3e-16}) {
+        EXPECT_EQ(start_force({{"stiffness", {800}}, {"natural_length", {length * (1 + rounding)}}}), 0) << rounding;
+        EXPECT_NE(start_force({{"stiffness", {800}}, {"natural_length", {length * (1 + 1e4 * rounding)}}}), 0) << rounding;
+    }
     for (double force : {250.0, -37.5, 0.3, 5e4}) {
         EXPECT_NEAR(start_force({{"stiffness", {800}}, {"preload", {force}}}), force, 1e-12 * std::abs(force));
         EXPECT_NEAR(start_force({{"law", {kCubicLaw}}, {"stiffness", {0}}, {"cubic", {6e4}}, {"preload", {force}}}), force,

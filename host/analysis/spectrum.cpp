@@ -109,7 +109,8 @@ size_t SpectrumCommand::find_segment_size() const {
 
 /// What moves by rounding only would count like a vibration where all channels count alike.
 void SpectrumCommand::find_levels() {
-    constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();  // of the largest value in the same unit
+    // Of the largest value in the same unit. Range 0.5 to 3100 epsilons: WhatMovesByRoundingOnlyIsConstant
+    constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
     std::map<std::string, double> largest;
     for (size_t c = 0; c < run_.channels().size(); ++c) {
         levels_.push_back(levels_of(run_.values()[c]));

@@ -160,6 +160,7 @@ ExitCode sweep_response(const Request& request, const std::vector<SweepAxis>& ax
         std::rethrow_exception(fault);
     write_atomically(folder.file("sweep.csv"), response_sweep_table(cases, parameters));
     const size_t failed = tell_failed_cases(cases);
+    tell_of_earlier_cases(folder.path(), cases.size());
     const auto done = static_cast<size_t>(std::ranges::count(cases, "completed", &RespondedCase::status));
     if (!request.quiet) {
         print_responses(cases);

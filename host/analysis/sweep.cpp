@@ -280,6 +280,7 @@ ExitCode run_sweep(const Request& request, const std::vector<SweepAxis>& axes) {
 
     write_atomically(folder.file("sweep.csv"), sweep_table(cases, model, parameters));
     print_failures(cases);
+    tell_of_earlier_cases(folder.path(), cases.size());
     const auto count = [&](const char* status) {
         return std::count_if(cases.begin(), cases.end(), [&](const Case& one) { return one.status == status; });
     };

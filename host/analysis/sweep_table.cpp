@@ -11,6 +11,7 @@
 #include "model/error.h"
 #include "model/wording.h"
 #include "record/csv_table.h"
+#include "record/tell.h"
 
 namespace dttmm::host {
 
@@ -30,6 +31,13 @@ bool is_own_column(std::string_view name) {
 }  // namespace
 
 std::string case_name(size_t index) { return fmt::format("case-{:06}", index + 1); }
+
+void tell_of_earlier_cases(const std::filesystem::path& folder, size_t count) {
+    std::error_code fault;
+    if (std::filesystem::exists(folder / case_name(count), fault))
+        tell(fmt::format("note: {} and the cases behind it are of an earlier sweep; sweep.csv does not have them",
+                         case_name(count)));
+}
 
 std::string make_sweep_table(const std::vector<Parameter>& parameters, const std::vector<Column>& columns,
                              const std::vector<SweepRow>& rows) {

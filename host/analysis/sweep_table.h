@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <variant>
 #include <vector>
@@ -19,6 +20,8 @@ struct SweepRow {
 
 /// How folders, sweep.csv and messages call a case, counted from 0: "case-000001".
 std::string case_name(size_t index);
+/// Says so where the folder of a sweep of `count` cases has the next case too: it is of an earlier sweep.
+void tell_of_earlier_cases(const std::filesystem::path& folder, size_t count);
 
 /// sweep.csv, of runs and of natural frequencies: a row of names, a row of units, then a row per case: its name, all
 /// parameters of the model in SI, expressions included, then `columns`. `parameters`: names and units.

@@ -99,6 +99,14 @@ rotational_stiffness = 1e3
     EXPECT_THAT(ended.out, testing::Not(HasSubstr("weight")));
 }
 
+// Oracle: the folder: it keeps the third case of the sweep before.
+TEST_F(Sweep, CasesOfAnEarlierSweepAreTold) {
+    EXPECT_THAT(sweep({"mass=1 kg..5 kg:3"}).err, testing::Not(HasSubstr("earlier")));
+    EXPECT_THAT(sweep({"mass=1 kg..5 kg:2"}).err, HasSubstr("case-000003 and the cases behind it are of an earlier sweep"));
+    EXPECT_TRUE(fs::exists(case_file(3, "history.csv")));
+    ASSERT_EQ(table().size(), 4u);
+}
+
 TEST_F(Sweep, TwoAxesSpanAGridTheLastFastest) {
     write_text(folder_ / "model.toml", small_model_with("mass = \"2 kg\"", "mass = \"2 kg\"\nk = 7"));
     EXPECT_EQ(sweep({"mass=1 kg,2 kg", "k=3..5:3"}).code, 0);

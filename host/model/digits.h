@@ -3,7 +3,7 @@
 
 namespace dttmm::host {
 
-/// Of ASCII, whatever the locale says.
+/// Of ASCII, in every locale.
 inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 }  // namespace dttmm::host

@@ -207,7 +207,7 @@ typedef struct dttmm_network {
      * instance; NULL: not wanted. */
     volatile int32_t* at_work;
     uint32_t mean_velocities; /* 1: in some rows or in all the velocities that the host gives `stand` are the means of those
-                                 over the two steps around the instant, whatever the scheme. What depends on velocities
+                                 over the two steps around the instant, in every scheme. What depends on velocities
                                  between bodies and inner nodes must be computed from means too */
 } dttmm_network;
 

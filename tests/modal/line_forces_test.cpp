@@ -90,6 +90,16 @@ TEST(LineForces, ABentAxisCouplesBendingAndTension) {
     EXPECT_EQ(K, K.transpose());
 }
 
+// Oracle: the slope of the sag at the ends by hand, which a parabola of that slope and length L turns into L/4 of it, over
+// the radius of gyration: 0.04 wants √(0.04/5e-5) pieces, a hundredth of it three.
+TEST(LineForces, PiecesByTheBend) {
+    const Section section = slender();
+    const double radius = std::sqrt(section.EIy / section.EA), load = 24 * section.EIz / std::pow(kPiece, 3) * 4 / kPiece;
+    EXPECT_EQ(under_uniform_load(0.04 * radius * load, 40).pieces(section), 29);
+    EXPECT_EQ(under_uniform_load(0.0004 * radius * load, 40).pieces(section), 3);
+    EXPECT_EQ(under_uniform_load(0.9e-5 * radius * load, 40).pieces(section), 1);
+}
+
 // Oracle: the parabola of a beam under a uniform load.
 TEST(LineForces, MomentsAreAsTheShearWantsThem) {
     constexpr double kQ = 310;

@@ -183,8 +183,8 @@ bool StepEquations::add_first_stop(const std::vector<BodyState>& now, const std:
         const JointEquations& joint = joints_.joints()[j];
         if (!joint.has_stops() || stops[j].acts) continue;
         const double start = joint.coordinate(now);
-        double way = joint.coordinate(end) - start;
-        if (joint.turns()) way = std::remainder(way, 2 * M_PI);
+        // By the directions at t_n, as a stop that acts: else one that is hardly reached would pull
+        const double way = h_ * joint.coordinate_speed(now, end);
         for (int side : {1, -1}) {
             const double stop = joint.stops()[side > 0 ? 0 : 1];
             if (side * (start + way - stop) >= -Stop::kPlay || side * (start - stop) < 0) continue;

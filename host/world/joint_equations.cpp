@@ -167,4 +167,16 @@ double JointEquations::coordinate(const std::vector<BodyState>& at) const {
         .dot(second.position + second.rotation * arm_second_ - first.position - first.rotation * arm_first_);
 }
 
+double JointEquations::coordinate_speed(const std::vector<BodyState>& at, const std::vector<BodyState>& moving) const {
+    const Jacobian J = jacobian(at);
+    double speed = 0;
+    for (Side side : kSides) {
+        if (bodies_[side] < 0) continue;
+        const BodyState& body = moving[as_size(bodies_[side])];
+        const auto row = J[side].row(coordinate_row());
+        speed += row.head<3>().dot(body.velocity.transpose()) + row.tail<3>().dot(body.angular_velocity.transpose());
+    }
+    return speed;
+}
+
 }  // namespace dttmm::host

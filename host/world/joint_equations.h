@@ -68,6 +68,9 @@ public:
     bool has_coordinate() const { return has_coordinate_; }
     bool turns() const { return turns_; }  ///< the coordinate is an angle
     double coordinate(const std::vector<BodyState>& at) const;
+    /// The rate of a coordinate that has stops or a motor, with the velocities of `moving` in the positions `at` [rad/s,
+    /// m/s].
+    double coordinate_speed(const std::vector<BodyState>& at, const std::vector<BodyState>& moving) const;
 
 private:
     struct AnchorEquation {

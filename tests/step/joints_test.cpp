@@ -427,6 +427,40 @@ TEST(Joints, StopNearHalfATurnHolds) {
     EXPECT_LT(history.largest("pin.angle"), 3.05 + 2e-12);
 }
 
+// Two bodies on a slider fly and tumble, and rest on its stop until their turning draws them off: at that instant the force
+// of the stop passes through zero. The slider turns within a step, so that a stop is hardly reached along one direction and
+// not along the other. Oracle: momentum; the stop is passed by (omega h)^2 of the lengths at most.
+TEST(Joints, AStopOfBodiesThatTurnLetsGoAtAnyStep) {
+    const Plugins plugins;
+    Model model;
+    model.bodies = {test::box("a", 7.72, {0.1, 0.1, 0.1}, {-0.496, -0.296, 0.499}),
+                    test::box("b", 0.977, {0.1, 0.1, 0.1}, {-0.369, -0.483, 0.55})};
+    model.bodies[0].rotation = Eigen::Quaterniond(-0.407, 0.327, 0.296, 0.8).normalized().toRotationMatrix();
+    model.bodies[1].rotation = Eigen::Quaterniond(0.683, 0.525, -0.422, 0.282).normalized().toRotationMatrix();
+    model.bodies[0].inertia << 0.0459, -0.0186, -0.031, -0.0186, 0.0748, -0.0156, -0.031, -0.0156, 0.0478;
+    model.bodies[1].inertia << 0.0261, -0.0283, 0.0029, -0.0283, 0.0819, 0.0023, 0.0029, 0.0023, 0.0879;
+    for (Body& body : model.bodies) body.angular_velocity = Eigen::Vector3d(-1.33, -1.108, 0.007);
+    const Eigen::Vector3d axis(0.642, 0.432, 0.634), arm = model.bodies[1].position - model.bodies[0].position;
+    model.bodies[0].velocity = Eigen::Vector3d(-0.976, 1.371, 0.133);
+    model.bodies[1].velocity = model.bodies[0].velocity + model.bodies[0].angular_velocity.cross(arm) - 2.03 * axis;
+    Joint guide = test::pin("guide", 0, 1, {-0.228, 0.118, 0.298}, axis);
+    guide.type = JointType::slider;
+    guide.limits = {-0.05, 0.07};
+    model.joints = {guide};
+    for (const double h : {1e-3, 5e-4, 2e-4, 1e-4, 5e-5}) {
+        const History history = run(model, plugins, h, 0.12);
+        EXPECT_NEAR(*std::ranges::min_element(history["guide.travel"]), -0.05, 3 * h * h) << h;
+        EXPECT_GT(history["guide.travel"].back(), -0.04995) << h;  // off again
+        for (const char* direction : {"x", "y", "z"}) {
+            const auto momentum = [&](size_t row) {
+                const std::string velocity = std::string(".velocity.") + direction;
+                return 7.72 * history["a" + velocity][row] + 0.977 * history["b" + velocity][row];
+            };
+            EXPECT_NEAR(momentum(history["time"].size() - 1), momentum(0), 1e-12 * 8.7 * 3) << h << direction;
+        }
+    }
+}
+
 // Bodies that no joint and no element holds, light and heavy, beside a pendulum: they must not keep its step from being
 // found.
 TEST(Joints, FreeBodiesBesideAPendulumDoNotMatter) {

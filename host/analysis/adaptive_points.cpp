@@ -75,26 +75,41 @@ bool AdaptivePoints::refine(std::vector<std::pair<double, double>> intervals) {
     return true;
 }
 
-/// Closes in on the largest magnitude of every curve by parabolas through three points.
+/// Closes in on a peak of a curve by parabolas through three points, from the point x. False: as find().
+bool AdaptivePoints::close_in(size_t c, double x) {
+    const auto magnitude = [&](const auto& point) { return std::abs(point->second[c]); };
+    for (int pass = 0; pass < 8; ++pass) {
+        auto top = points_.find(x);
+        const auto left = std::prev(top), right = std::next(top);
+        const double x0 = left->first - x, x2 = right->first - x;
+        const double size = magnitude(top), y0 = magnitude(left) - size, y2 = magnitude(right) - size;
+        // y = a x² + b x through both
+        const double a = (y0 / x0 - y2 / x2) / (x0 - x2), b = y0 / x0 - a * x0;
+        if (!(a < 0)) break;
+        const double rise = -b * b / (4 * a), to = -b / (2 * a);
+        if (!(rise > kPeakTolerance * size) || !(to > x0) || !(to < x2)) break;
+        if (!(std::abs(to) > kNarrow * std::abs(x))) break;
+        const Values* values = take(x + to);
+        if (!values) return false;
+        if (std::abs((*values)[c]) > size) x += to;
+    }
+    return true;
+}
+
+/// Closes in on the largest magnitude of every curve, and on all peaks that may be it, for points may miss their tops by
+/// kTolerance.
 bool AdaptivePoints::find_peaks() {
-    for (size_t c = 0; c < largest_.size(); ++c)
-        for (int pass = 0; largest_[c] > floor_of(c) && pass < 8; ++pass) {
-            auto top = points_.begin();
-            for (auto point = points_.begin(); point != points_.end(); ++point)
-                if (std::abs(point->second[c]) > std::abs(top->second[c])) top = point;
-            if (top == points_.begin() || std::next(top) == points_.end()) break;
-            const auto left = std::prev(top), right = std::next(top);
-            const double x0 = left->first - top->first, x2 = right->first - top->first;
-            const double size = std::abs(top->second[c]), y0 = std::abs(left->second[c]) - size,
-                         y2 = std::abs(right->second[c]) - size;
-            // y = a x² + b x through both
-            const double a = (y0 / x0 - y2 / x2) / (x0 - x2), b = y0 / x0 - a * x0;
-            if (!(a < 0)) break;
-            const double rise = -b * b / (4 * a), x = -b / (2 * a);
-            if (!(rise > kPeakTolerance * size) || !(x > x0) || !(x < x2)) break;
-            if (!(std::abs(x) > kNarrow * std::abs(top->first))) break;
-            if (!take(top->first + x)) return false;
+    for (size_t c = 0; c < largest_.size(); ++c) {
+        if (!(largest_[c] > floor_of(c))) continue;
+        std::vector<double> tops;
+        for (auto point = std::next(points_.begin()); std::next(point) != points_.end(); ++point) {
+            const auto size = [&](const auto& at) { return std::abs(at->second[c]); };
+            if (size(point) >= (1 - kTolerance) * largest_[c] && size(point) > size(std::prev(point)) &&
+                size(point) >= size(std::next(point)))
+                tops.push_back(point->first);
         }
+        if (!std::ranges::all_of(tops, [&](double top) { return close_in(c, top); })) return false;
+    }
     return true;
 }
 
@@ -105,8 +120,12 @@ bool AdaptivePoints::find(std::span<const double> start, size_t most, const std:
     for (const double x : start)
         if (!take(x)) return false;
     std::vector<std::pair<double, double>> intervals;
-    for (size_t i = 1; i < start.size(); ++i)
-        if (start[i] > start[i - 1]) intervals.emplace_back(start[i - 1], start[i]);
+    double last = start.front();
+    for (const double x : start) {  // of natural frequencies, some may be equal but for rounding
+        if (!(x - last > kNarrow * x)) continue;
+        intervals.emplace_back(last, x);
+        last = x;
+    }
     return refine(std::move(intervals)) && find_peaks();
 }
 

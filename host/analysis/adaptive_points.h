@@ -34,6 +34,7 @@ private:
     double floor_of(size_t curve) const;
     bool is_straight(double x0, double x1, double x2) const;
     bool refine(std::vector<std::pair<double, double>> intervals);
+    bool close_in(size_t curve, double x);
     bool find_peaks();
 
     Curves curves_;

@@ -7,9 +7,11 @@
 #include <cmath>
 
 #include "analysis/law_limits.h"
+#include "analysis/machine_geometry.h"
 #include "analysis/material_fits.h"
 #include "analysis/stop_signals.h"
 #include "model/index.h"
+#include "model/read_modes.h"
 #include "model/read_simulation.h"
 #include "record/results_folder.h"
 #include "record/tell.h"
@@ -164,6 +166,37 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
                                                first, count > 1 ? fmt::format(", and {} more are", count - 1) : ""));
 }
 
+/// Where a rotation that `dofs` keep moves a point of a body, seen from another one, in a direction that they leave out:
+/// that motion is in no state.
+void note_directions(const Model& model, Warnings& warnings) {
+    const std::bitset<6>& kept = model.modes.directions;
+    std::vector<std::vector<Eigen::Vector3d>> points(model.bodies.size());  // of elements, then the centre of mass
+    for (const Element& element : model.elements)
+        for (const Attachment& end : element.ends)
+            if (end.body >= 0) points[as_size(end.body)].push_back(position_at_start(model, end));
+    for (size_t b = 0; b < points.size(); ++b) {
+        const Body& body = model.bodies[b];
+        points[b].push_back(body.position + body.rotation * body.center_of_mass);
+        for (size_t i = 0; i < 9; ++i) {
+            const size_t rotation = i / 3, direction = i % 3;
+            if (!kept[3 + rotation] || kept[direction] || rotation == direction) continue;
+            const auto lever = static_cast<Eigen::Index>(3 - rotation - direction);
+            const auto differs = [&](const Eigen::Vector3d& p) {
+                const Eigen::Vector3d arm = p - points[b][0];
+                return std::abs(arm(lever)) > 1e-9 * p.norm();
+            };
+            if (std::ranges::none_of(points[b], differs)) continue;
+            warnings.note("dofs-lever",
+                          fmt::format("dofs keep {0} and leave out {1}, in which {0} moves points of body \"{2}\" beside "
+                                      "each other: elements do not feel that, and its inertia counts about the point that "
+                                      "an element holds first. Keep {1} too, and hold the body by an elastic_hinge if it "
+                                      "cannot move there",
+                                      kDirections[3 + rotation], kDirections[direction], body.name));
+            return;
+        }
+    }
+}
+
 /// Whether springs have forces at the start although nothing loads the machine, or a run starts at its equilibrium.
 bool is_strained(const Model& model, const ModalMachine& machine) {
     if (!model.modes.directions.all()) return false;
@@ -228,6 +261,7 @@ void warn_preload(const Model& model, Warnings& warnings) {
 
 ModalMachine make_machine(const Model& model, const Plugins& plugins, Warnings& warnings) {
     const auto about_start = [&](ModalMachine machine) {
+        if (!model.modes.directions.all()) note_directions(model, warnings);
         warn_preload(model, warnings);
         note_forces(model, machine, warnings);
         return machine;

@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/index.h"
+#include "core/state_vector.h"
 #include "element/parameters.h"
 
 namespace dttmm::plugin {
@@ -153,6 +154,10 @@ LineWaves::LineWaves(const Line& line, double length, Directions active, double 
     } else {
         moving[3] = active[3];
         for (const auto& [deflection, rotation] : kPlanes) {
+            if (active[deflection] && !active[rotation])
+                throw Error(DTTMM_ERROR_MODEL,
+                            fmt::format("dofs keep its local {} but not {}: a beam bends by both; keep both, or take a rod",
+                                        kDirectionNames[deflection], kDirectionNames[rotation]));
             if (active[deflection])
                 moving.set(deflection).set(rotation);
             else

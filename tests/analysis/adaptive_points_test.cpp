@@ -38,6 +38,28 @@ TEST(AdaptivePoints, AResonanceIsDrawn) {
     EXPECT_TRUE(adaptive.unbounded().empty());
 }
 
+// Two peaks of nearly the same height, as at every optimum of the larger one. Oracle: 200 000 points across each.
+TEST(AdaptivePoints, TheHigherOfTwoPeaksIsFound) {
+    for (int i = -20; i <= 20; ++i) {
+        const double share = 1 + 2e-4 * i;
+        const auto curve = [&](double x) { return resonance(x) + share * resonance(x / 3); };
+        AdaptivePoints adaptive([&](double x) { return AdaptivePoints::Values{curve(x)}; }, {0});
+        ASSERT_TRUE(adaptive.find(std::array{0.2, 1.013, 2.97, 7.0}, 1000, goes_on));
+        double peak = 0, exact = 0;
+        for (const auto& [x, values] : adaptive.points()) peak = std::max(peak, std::abs(values[0]));
+        for (int k = -100000; k <= 100000; ++k)
+            for (const double centre : {1.0, 3.0}) exact = std::max(exact, std::abs(curve(centre * (1 + 1e-7 * k))));
+        EXPECT_NEAR(peak, exact, 2e-5 * exact) << share;
+    }
+}
+
+// Equal natural frequencies differ by rounding: the points between them are no peak without bound.
+TEST(AdaptivePoints, EqualFrequenciesAreOnePlace) {
+    AdaptivePoints adaptive([](double x) { return AdaptivePoints::Values{resonance(x)}; }, {0});
+    ASSERT_TRUE(adaptive.find(std::array{0.1, 1.0, 1.0 + 1e-15, 1.0 + 3e-15, 4.0}, 1000, goes_on));
+    EXPECT_TRUE(adaptive.unbounded().empty());
+}
+
 // What is rounding beside curves of its kind asks for no points: without the floor of a kind there would be 100 000.
 TEST(AdaptivePoints, RoundingIsNotDrawn) {
     const auto curves = [](double x) { return AdaptivePoints::Values{resonance(x), 1e-11 * std::sin(1e9 * x)}; };

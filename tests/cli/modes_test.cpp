@@ -425,6 +425,36 @@ rotational_stiffness = [1e5, 0, 0]
     EXPECT_NEAR(found[0], std::sqrt(1e5 / (2 + 7 * (0.3 * 0.3 + 0.2 * 0.2))) / (2 * M_PI), 1e-9 * found[0]);
 }
 
+// A spring beside the centre of a body that turns: its end moves in y too, which is left out. What the frequencies are of is
+// told. On the axis of the rotation nothing is left out.
+TEST(ModesCases, AMotionThatDofsLeaveOutIsTold) {
+    const auto warnings_of = [](const std::string& marker) {
+        return modes_of(R"(format = "dttmm/1"
+dofs = ["x", "rz"]
+[[body]]
+name = "wheel"
+mass = 2
+inertia = [0.03, 0.02, 0.05]
+position = [0.7, 0.2, -0.4]
+markers = { rim = )" + marker +
+                        R"( }
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "wheel.rim"
+stiffness = [1000, 2000, 0]
+rotational_stiffness = [0, 0, 30]
+)")["warnings"];
+    };
+    const nlohmann::json beside = warnings_of("[0.4, 0.1, 0]");
+    ASSERT_EQ(beside.size(), 1u);
+    EXPECT_EQ(beside[0]["code"], "dofs-lever");
+    EXPECT_THAT(beside[0]["text"],
+                testing::HasSubstr("dofs keep rz and leave out y, in which rz moves points of body \"wheel\""));
+    EXPECT_TRUE(warnings_of("[0, 0.1, 0.3]").empty());
+}
+
 // Oracle: theory.md V7, ω = √5 ∓ 1. A model of two masses has two frequencies, however many are asked for.
 TEST(ModesCases, TwoMasses) {
     const std::vector<double> expected{(std::sqrt(5.) - 1) / (2 * kPi), (std::sqrt(5.) + 1) / (2 * kPi)};

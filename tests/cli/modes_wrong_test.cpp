@@ -159,6 +159,14 @@ TEST(ModesWrong, ABeamAtAnAngleToTheDirectionsLeft) {
                    AllOf(HasSubstr("m.toml:6:1"), HasSubstr("element \"bar\""), HasSubstr("at an angle")));
 }
 
+// Its pieces would be held against bending wherever they meet, and so its frequencies depend on their number.
+TEST(ModesWrong, ABeamWithoutTheRotationThatBendsIt) {
+    expect_refused(modes_with(bar("dofs = [\"y\"]\n", "[2, 0, 0]")), 3,
+                   AllOf(HasSubstr("m.toml:6:1"), HasSubstr("dofs keep its local y but not rz"), HasSubstr("take a rod")));
+    expect_refused(modes_with(bar("dofs = [\"x\", \"y\", \"z\", \"rz\"]\n", "[2, 0, 0]")), 3,
+                   HasSubstr("dofs keep its local z but not ry"));
+}
+
 TEST(ModesWrong, SectionsThatDoNotSayEnough) {
     const auto with = [](const std::string& section, const std::string& dofs) {
         std::string text = bar(dofs);

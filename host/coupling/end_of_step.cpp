@@ -34,6 +34,7 @@ std::vector<BodyState> EndOfStep::start(double h, const std::vector<BodyState>& 
 
 void EndOfStep::begin_step(const dttmm_step& step, const std::vector<BodyState>& now, const Loads& loads) {
     open_ = {step.index, step.time};
+    stops_before_ = stops_;
     std::ranges::fill(wrenches_, 0.0);
     loads.add_over_step(now, wrenches_.data());
     equations_.begin_step(now, wrenches_);
@@ -96,7 +97,9 @@ bool EndOfStep::find_end(const std::vector<BodyState>& now, Networks& networks) 
         if (!done || pass < first_trusted || !parts_done) continue;
         if (!equations_.joint_system().has_stops()) return true;
         equations_.move(now, equations_.h(), trial_);
-        if (!equations_.release_pulling_stops(stops_) && !equations_.add_first_stop(now, trial_, stops_)) return true;
+        if (!equations_.release_pulling_stops(stops_) && !equations_.add_first_stop(now, trial_, stops_before_, stops_) &&
+            !equations_.leave_stops(now, trial_, stops_before_, stops_))
+            return true;
         linearise_joints(now);
         first_trusted = pass + 2;
     }

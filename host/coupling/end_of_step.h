@@ -91,6 +91,7 @@ private:
     SingularPosition singular_;
     std::vector<Joint> joints_;
     std::vector<Stop> stops_;              ///< that act over the open step
+    std::vector<Stop> stops_before_;       ///< that acted over the step before
     std::vector<BodyState> trial_, half_;  ///< at the end of the step, and half way
     std::vector<double> wrenches_;         ///< 6 per body
     BodyVectors previous_u_;               ///< over the step before

@@ -167,15 +167,49 @@ bool StepEquations::release_pulling_stops(std::vector<Stop>& stops) const {
     const double weak = kRounding * impulses_.cwiseAbs().maxCoeff();
     bool changed = false;
     for (size_t j = 0; j < stops.size(); ++j) {
-        if (!stops[j].is_foreseen || stops[j].side * impulses_(stop_index(j)) <= weak) continue;
+        if (!stops[j].is_foreseen || stops[j].left > 0 || stops[j].side * impulses_(stop_index(j)) <= weak) continue;
         stops[j].acts = stops[j].is_foreseen = false;
         changed = true;
     }
     return changed;
 }
 
+namespace {
+
+/// Whether no stop but that of a joint begins or ends to act over this step or did so over the one before: speeds of
+/// coordinates then change by forces only.
+bool only_forces_act(const std::vector<Stop>& before, const std::vector<Stop>& stops, size_t but) {
+    for (size_t j = 0; j < stops.size(); ++j)
+        if (j != but && (before[j].acts != stops[j].acts || before[j].is_foreseen || stops[j].is_foreseen)) return false;
+    return true;
+}
+
+/// A coordinate around t_n, as parabolas through t_{n-1}, t_n and the end of the step have it.
+struct Course {
+    double turning = 0;  ///< what the turning of its direction adds to h J u [rad, m]
+    double gain = 0;     ///< what it gains of speed over a step [rad/s, m/s]
+
+    /// way: h J u over the step.
+    Course(const JointEquations& joint, double h, double way, const std::vector<BodyState>& now,
+           const std::vector<BodyState>& end) {
+        double whole = joint.coordinate(end) - joint.coordinate(now);
+        if (joint.turns()) whole = std::remainder(whole, 2 * M_PI);
+        turning = whole - h * joint.coordinate_speed(now, end);
+        gain = (way + 2 * turning) / h - joint.coordinate_speed(now, now);
+    }
+};
+
+/// Share of a step of size h after which a coordinate has gone `there`; `way` over the whole step, of at least that.
+double share_of(double there, double way, double gain, double h) {
+    // there = s way - s (1 - s) gain h/2
+    const double half = 0.5 * h * gain, slope = way - half;
+    return 2 * there / (slope + std::copysign(std::sqrt(std::max(slope * slope + 4 * half * there, 0.0)), way));
+}
+
+}  // namespace
+
 bool StepEquations::add_first_stop(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
-                                   std::vector<Stop>& stops) const {
+                                   const std::vector<Stop>& before, std::vector<Stop>& stops) const {
     double first = std::numeric_limits<double>::infinity();  // share of the step after which a stop is reached
     size_t reached = stops.size();
     Stop stop_reached;
@@ -188,16 +222,51 @@ bool StepEquations::add_first_stop(const std::vector<BodyState>& now, const std:
         for (int side : {1, -1}) {
             const double stop = joint.stops()[side > 0 ? 0 : 1];
             if (side * (start + way - stop) >= -Stop::kPlay || side * (start - stop) < 0) continue;
-            const double share = (stop - start) / way;
+            double share = (stop - start) / way, left = -side * Stop::kPlay;
+            if (only_forces_act(before, stops, j)) {
+                const Course course(joint, h_, way, now, end);
+                share = share_of(stop - start, way + course.turning, course.gain, h_);
+                if (side * course.gain > 0) left = 0.5 * h_ * (1 - share) * (1 - share) * course.gain;
+            }
             if (share >= first) continue;
             first = share;
             reached = j;
-            stop_reached = {true, (stop - side * Stop::kPlay - start) / h_, side, true};
+            stop_reached = {true, (stop + left - start) / h_, side, true, share};
         }
     }
     if (reached == stops.size()) return false;
     stops[reached] = stop_reached;
     return true;
+}
+
+double StepEquations::impulse_per_speed(size_t joint) {
+    right_hand_side_.setZero();
+    right_hand_side_(stop_index(joint)) = 1;
+    factor_.solve(right_hand_side_, solution_);
+    return -solution_(stop_index(joint));
+}
+
+bool StepEquations::leave_stops(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
+                                const std::vector<Stop>& before, std::vector<Stop>& stops) {
+    bool changed = false;
+    for (size_t j = 0; j < before.size(); ++j) {
+        const Stop& reached = before[j];
+        if (!reached.acts || !reached.is_foreseen || reached.left > 1 || stops[j].left > 0) continue;
+        if ((reached.left == 1 && stops[j].acts) || !only_forces_act(before, stops, j)) continue;
+        const JointEquations& joint = joints_.joints()[j];
+        const double free =
+            joint.coordinate_speed(now, end) + (stops[j].acts ? impulses_(stop_index(j)) / impulse_per_speed(j) : 0);
+        const Course course(joint, h_, h_ * free, now, end);
+        const double steps = 1.5 - reached.share;  // velocities stand half a step back
+        double speed = steps * course.gain - course.turning / h_;
+        if (reached.left == 1)  // dampers now have the speed after the impact
+            speed = free + steps * (course.gain - reached.gain);
+        else if (reached.side * course.gain <= 0 || reached.side * (speed - free) <= 0)
+            continue;
+        stops[j] = {true, speed, reached.side, true, reached.share, reached.left + 1, course.gain};
+        changed = true;
+    }
+    return changed;
 }
 
 bool StepEquations::has_impact(const std::vector<BodyState>& now, const std::vector<BodyState>& end) const {

@@ -69,12 +69,20 @@ public:
     // Stops over the step whose motion has been found; end: poses at its end, velocities over it.
     /// Lets go the foreseen stops that would pull; true if there are any.
     bool release_pulling_stops(std::vector<Stop>& stops) const;
-    /// Adds the first stop that the motion runs through, so that it ends there; true if there is one.
+    // before: those of the step before. A stop takes the speed at the instant at which it is reached; what draws off has
+    // acted since, and the machine leaves with the speed that this has made.
+    /// Adds the first stop that the motion runs through, so that it ends there, or where it has gone since; true if there
+    /// is one.
     bool add_first_stop(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
-                        std::vector<Stop>& stops) const;
+                        const std::vector<Stop>& before, std::vector<Stop>& stops) const;
+    /// Has the machine leave stops that were reached within the step before and from which it is drawn off; true if there
+    /// are any.
+    bool leave_stops(const std::vector<BodyState>& now, const std::vector<BodyState>& end, const std::vector<Stop>& before,
+                     std::vector<Stop>& stops);
     /// Whether a stop changes the speed of its coordinate over the step: it has not been at rest on it.
     bool has_impact(const std::vector<BodyState>& now, const std::vector<BodyState>& end) const;
-    /// Work of the stops at t_n on the bodies [J], never positive but for round-off: a stop takes speed and gives none back.
+    /// Work of the stops at t_n on the bodies [J]: a stop takes speed and gives none back. Positive by round-off, and by
+    /// order h² where a stop that was just reached is left.
     double stop_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end) const {
         return coordinate_work(now, end, &JointEquations::has_stops);
     }
@@ -91,7 +99,8 @@ private:
         Eigen::Matrix3d then = Eigen::Matrix3d::Identity();   ///< rotation of the body when it was formed
         Eigen::Matrix3d since = Eigen::Matrix3d::Identity();  ///< Q; the identity of a body that is not followed
     };
-    int stop_index(size_t joint) const;  ///< of the equation of its stop or motor
+    int stop_index(size_t joint) const;      ///< of the equation of its stop or motor
+    double impulse_per_speed(size_t joint);  ///< of a stop that acts: what an impulse takes off its coordinate's speed
     double coordinate_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
                            bool (JointEquations::*counts)() const) const;
     Eigen::Matrix<double, 6, 1> residual_of(size_t body, const BodyState& now, const std::vector<double>& wrenches) const;

@@ -20,7 +20,10 @@ struct Stop {
     bool acts = false;
     double speed = 0;
     int side = 0;              ///< 1: the lower stop, which pushes the coordinate up; −1: the upper
-    bool is_foreseen = false;  ///< reached within the step: ODE does not see it yet
+    bool is_foreseen = false;  ///< reached within the step, or left in it: ODE does not see it
+    double share = 0;          ///< of the step after which a foreseen one is reached
+    int left = 0;              ///< the machine leaves it, as many steps after that in which it was reached; 0: it does not
+    double gain = 0;           ///< what the machine was taken to gain of speed over a step as it left [rad/s, m/s]
 };
 
 /// What a motor asks of the coordinate of its joint [rad, m] around a step from t_n to t_{n+1}.

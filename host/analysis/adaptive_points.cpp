@@ -30,15 +30,16 @@ const AdaptivePoints::Values* AdaptivePoints::take(double x) {
     largest_.resize(values.size());
     for (size_t c = 0; c < values.size(); ++c) {
         largest_[c] = std::max(largest_[c], std::abs(values[c]));
-        if (kinds_[c] >= largest_of_kind_.size()) largest_of_kind_.resize(kinds_[c] + 1);
-        largest_of_kind_[kinds_[c]] = std::max(largest_of_kind_[kinds_[c]], largest_[c]);
+        const size_t kind = kinds_[c].of;
+        if (kind >= largest_of_kind_.size()) largest_of_kind_.resize(kind + 1);
+        largest_of_kind_[kind] = std::max(largest_of_kind_[kind], kinds_[c].per_unit * largest_[c]);
     }
     return &points_.emplace(x, std::move(values)).first->second;
 }
 
 /// Smaller magnitudes of a curve need not be straight.
 double AdaptivePoints::floor_of(size_t c) const {
-    return std::max(kSmall * largest_[c], kRoundingOfKind * largest_of_kind_[kinds_[c]]);
+    return std::max(kSmall * largest_[c], kRoundingOfKind * largest_of_kind_[kinds_[c].of] / kinds_[c].per_unit);
 }
 
 /// Whether the values at x1, between x0 and x2, are where a straight line has them.
@@ -46,6 +47,7 @@ bool AdaptivePoints::is_straight(double x0, double x1, double x2) const {
     const Values &v0 = points_.at(x0), &v1 = points_.at(x1), &v2 = points_.at(x2);
     const double s = (x1 - x0) / (x2 - x0);
     for (size_t c = 0; c < v1.size(); ++c) {
+        if (!kinds_[c].is_drawn) continue;
         const double size = std::abs(v1[c]), floor = floor_of(c);
         const double straight = (1 - s) * std::abs(v0[c]) + s * std::abs(v2[c]);
         if (std::max({size, std::abs(v0[c]), std::abs(v2[c])}) <= floor) continue;
@@ -100,7 +102,7 @@ bool AdaptivePoints::close_in(size_t c, double x) {
 /// kTolerance.
 bool AdaptivePoints::find_peaks() {
     for (size_t c = 0; c < largest_.size(); ++c) {
-        if (!(largest_[c] > floor_of(c))) continue;
+        if (!kinds_[c].is_drawn || !(largest_[c] > floor_of(c))) continue;
         std::vector<double> tops;
         for (auto point = std::next(points_.begin()); std::next(point) != points_.end(); ++point) {
             const auto size = [&](const auto& at) { return std::abs(at->second[c]); };

@@ -18,8 +18,15 @@ public:
     /// Values of all curves at x.
     using Curves = std::function<Values(double x)>;
 
-    /// kinds: of every curve; those of a kind have one unit.
-    AdaptivePoints(Curves curves, std::vector<size_t> kinds) : curves_(std::move(curves)), kinds_(std::move(kinds)) {}
+    /// What a curve is of.
+    struct Kind {
+        size_t of = 0;
+        double per_unit = 1;   ///< times the magnitude: comparable with others of the kind
+        bool is_drawn = true;  ///< else its values only tell how large things of the kind are
+    };
+
+    /// kinds: of every curve.
+    AdaptivePoints(Curves curves, std::vector<Kind> kinds) : curves_(std::move(curves)), kinds_(std::move(kinds)) {}
 
     /// Finds points from the first to the last of `start`, which ascend and of which there are two or more.
     /// `is_asked_to_stop` is asked before each point. False: it was stopped, or there would be more than `most` points.
@@ -38,7 +45,7 @@ private:
     bool find_peaks();
 
     Curves curves_;
-    std::vector<size_t> kinds_;
+    std::vector<Kind> kinds_;
     std::map<double, Values> points_;
     std::vector<double> largest_, largest_of_kind_, unbounded_;
     double span_ = 0;  ///< from the first to the last point

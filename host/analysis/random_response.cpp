@@ -4,19 +4,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/adaptive_points.h"
-
 namespace dttmm::host {
 
 RandomResponse find_random_response(const Excitation& excitation, double from, double to, const std::vector<double>& natural,
-                                    const RandomAmplitudes& amplitudes, const std::vector<size_t>& kinds, size_t most_points,
-                                    const std::function<bool()>& is_asked_to_stop) {
-    const size_t channels = kinds.size(), loads = excitation.random_count();
+                                    const RandomAmplitudes& amplitudes, const std::vector<AdaptivePoints::Kind>& kinds,
+                                    size_t most_points, const std::function<bool()>& is_asked_to_stop) {
+    const size_t block = kinds.size(), loads = excitation.random_count();
+    const auto channels = static_cast<size_t>(std::ranges::count_if(kinds, &AdaptivePoints::Kind::is_drawn));
     std::vector<double> corners = {from, to};
     for (const double corner : excitation.random_corners())
         if (corner > from && corner < to) corners.push_back(corner);
     std::ranges::sort(corners);
-    std::vector<size_t> all_kinds;
+    std::vector<AdaptivePoints::Kind> all_kinds;
     for (size_t r = 0; r < loads; ++r) all_kinds.insert(all_kinds.end(), kinds.begin(), kinds.end());
 
     RandomResponse found;
@@ -26,12 +25,13 @@ RandomResponse find_random_response(const Excitation& excitation, double from, d
         if (!(high > low)) continue;
         const auto weighted = [&](double f) {  // H √S
             std::vector<std::complex<double>> values = amplitudes(f);
-            for (size_t c = 0; c < values.size(); ++c) values[c] *= std::sqrt(excitation.density(c / channels, f, inside));
+            for (size_t c = 0; c < values.size(); ++c) values[c] *= std::sqrt(excitation.density(c / block, f, inside));
             return values;
         };
         const auto densities = [&](const std::vector<std::complex<double>>& values) {
             std::vector<double> sum(channels);
-            for (size_t c = 0; c < values.size(); ++c) sum[c % channels] += std::norm(values[c]);
+            for (size_t c = 0; c < values.size(); ++c)
+                if (c % block < channels) sum[c % block] += std::norm(values[c]);
             return sum;
         };
         std::vector<double> start = {low};

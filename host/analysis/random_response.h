@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "analysis/adaptive_points.h"
 #include "analysis/excitation.h"
 
 namespace dttmm::host {
@@ -24,14 +25,15 @@ struct RandomResponse {
     bool is_done = false;                ///< else it was stopped, or there were too many points
 };
 
-/// Amplitudes of the channels under each random load of unit amplitude, one load after the other, at a frequency [Hz].
+/// Amplitudes of the channels, and of what tells how large things are, under each random load of unit amplitude, one load
+/// after the other, at a frequency [Hz].
 using RandomAmplitudes = std::function<std::vector<std::complex<double>>(double frequency)>;
 
-/// From `from` to `to` [Hz]; natural: frequencies that become points. kinds: of every channel, as of AdaptivePoints. Between
-/// the corners of the densities |H| √S is drawn by straight lines good to 1 %, and its square is integrated by Simpson's
-/// rule.
+/// From `from` to `to` [Hz]; natural: frequencies that become points. kinds: of the amplitudes under one load; those that
+/// are drawn come first and are the channels. Between the corners of the densities |H| √S is drawn by straight lines good to
+/// 1 %, and its square is integrated by Simpson's rule.
 RandomResponse find_random_response(const Excitation& excitation, double from, double to, const std::vector<double>& natural,
-                                    const RandomAmplitudes& amplitudes, const std::vector<size_t>& kinds, size_t most_points,
-                                    const std::function<bool()>& is_asked_to_stop);
+                                    const RandomAmplitudes& amplitudes, const std::vector<AdaptivePoints::Kind>& kinds,
+                                    size_t most_points, const std::function<bool()>& is_asked_to_stop);
 
 }  // namespace dttmm::host

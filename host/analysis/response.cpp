@@ -122,7 +122,8 @@ std::vector<Column> SteadyResponse::columns() const {
 
 /// psd.csv and rms.csv.
 void SteadyResponse::write_random(const ResultsFolder& folder) {
-    const size_t count = machine_.curves.chosen().size(), skipped = machine_.excitation.has_harmonics() ? count : 0;
+    const std::vector<AdaptivePoints::Kind> kinds = machine_.curves.kinds();
+    const size_t count = machine_.curves.chosen().size(), skipped = machine_.excitation.has_harmonics() ? kinds.size() : 0;
     const auto amplitudes = [&](double f) {
         Values values = machine_.curves.evaluate_near(ResponseSweep(), f);
         values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(skipped));
@@ -130,8 +131,8 @@ void SteadyResponse::write_random(const ResultsFolder& folder) {
     };
     const RandomResponse random =
         find_random_response(machine_.excitation, plan_.random_from, plan_.random_to,
-                             natural_frequencies(machine_.session.machine, plan_.random_to, warnings_), amplitudes,
-                             machine_.curves.kinds(1), ResponseCurves::kMostAdaptive, StopSignals::requested);
+                             natural_frequencies(machine_.session.machine, plan_.random_to, warnings_), amplitudes, kinds,
+                             ResponseCurves::kMostAdaptive, StopSignals::requested);
     if (StopSignals::requested()) return;
     if (!random.is_done) {
         machine_.curves.warn_too_many();

@@ -11,9 +11,20 @@ namespace {
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
+/// The largest distance of places and of radii of gyration [m].
+double size_of(const Model& model, const ModalMachine& machine) {
+    double size = 0;
+    for (const ModalPlace& place : machine.places())
+        size = std::max(size, (place.position - machine.places()[0].position).norm());
+    for (const Body& body : model.bodies)
+        if (body.mass > 0) size = std::max(size, std::sqrt(body.inertia.trace() / body.mass));
+    return size > 0 ? size : 1;
+}
+
 }  // namespace
 
-ResponseChannels::ResponseChannels(const Model& model, const ModalMachine& machine) : machine_(machine) {
+ResponseChannels::ResponseChannels(const Model& model, const ModalMachine& machine)
+    : machine_(machine), size_(size_of(model, machine)) {
     channels_.emplace_back("frequency", "Hz");  // as time is the first of a run
     sources_.push_back({});
     for (size_t e = 0; e < model.elements.size(); ++e) {
@@ -100,6 +111,27 @@ std::complex<double> ResponseChannels::value(int channel, const ModalInstance::R
     const std::complex<double> motion = machine_.motion(machine_.places()[source.index], response)(d);
     const std::complex<double> rate(0, omega);
     return source.derivative == 0 ? motion : source.derivative == 1 ? rate * motion : rate * rate * motion;
+}
+
+AdaptivePoints::Kind ResponseChannels::kind(int channel) const {
+    const Source& source = sources_[as_size(channel)];
+    const bool turns = source.of == Of::joint_angle || source.direction > 2;
+    if (source.of == Of::element_force || source.of == Of::joint) return {3, turns ? 1 / size_ : 1};
+    return {as_size(source.derivative), turns ? size_ : 1};
+}
+
+std::array<double, ResponseChannels::kKinds> ResponseChannels::largest(const ModalInstance::Response& response,
+                                                                       double omega) const {
+    std::array<double, kKinds> largest{};
+    for (const ModalPlace& place : machine_.places()) {
+        const ModalInstance::Complex6 motion = machine_.motion(place, response);
+        largest[0] = std::max({largest[0], motion.head<3>().norm(), size_ * motion.tail<3>().norm()});
+    }
+    largest[1] = omega * largest[0];
+    largest[2] = omega * largest[1];
+    for (const ModalInstance::Complex6& force : response.forces)
+        largest[3] = std::max({largest[3], force.head<3>().norm(), force.tail<3>().norm() / size_});
+    return largest;
 }
 
 }  // namespace dttmm::host

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <complex>
 #include <string>
 #include <vector>
 
+#include "analysis/adaptive_points.h"
 #include "analysis/modal_machine.h"
 #include "model/channel.h"
 
@@ -24,6 +26,12 @@ public:
     /// Amplitude of a channel; angular frequency [rad/s].
     std::complex<double> value(int channel, const ModalInstance::Response& response, double omega) const;
 
+    /// Displacements, velocities, accelerations and forces; rotations and moments go with them by the size of the machine.
+    static constexpr size_t kKinds = 4;
+    AdaptivePoints::Kind kind(int channel) const;
+    /// The largest of each kind anywhere in the machine: displacements [m] to forces [N].
+    std::array<double, kKinds> largest(const ModalInstance::Response& response, double omega) const;
+
 private:
     enum class Of : unsigned char { place, element_force, element_deflection, joint, joint_angle, joint_travel };
     struct Source {
@@ -38,6 +46,7 @@ private:
     void add_joints(const Model& model);
 
     const ModalMachine& machine_;
+    double size_ = 0;  ///< of the machine [m]
     std::vector<Channel> channels_;
     std::vector<Source> sources_;
 };

@@ -50,37 +50,40 @@ std::string ResponseCurves::unit(size_t curve) const {
     return unit == per ? "1" : fmt::format("{}/{}", unit, per == "N*m" ? "(N*m)" : per);
 }
 
-std::vector<size_t> ResponseCurves::kinds(size_t cases) const {
-    std::vector<std::string> units;
-    std::vector<size_t> kinds;
-    for (size_t c = 0; c < chosen_.size(); ++c) {
-        const std::string& unit = channel(c).unit();
-        const auto found = std::ranges::find(units, unit);
-        kinds.push_back(static_cast<size_t>(found - units.begin()));
-        if (found == units.end()) units.push_back(unit);
-    }
-    for (size_t c = chosen_.size(); c < cases * chosen_.size(); ++c)
-        kinds.push_back(kinds[c - chosen_.size()] + units.size());
+std::vector<AdaptivePoints::Kind> ResponseCurves::kinds() const {
+    std::vector<AdaptivePoints::Kind> kinds;
+    for (const int channel : chosen_) kinds.push_back(channels_.kind(channel));
+    for (size_t k = 0; k < ResponseChannels::kKinds; ++k) kinds.push_back({k, 1, false});
     return kinds;
 }
 
-ResponseCurves::Values ResponseCurves::evaluate(const OperatingPoint& at) {
+ResponseCurves::Values ResponseCurves::evaluate_blocks(const OperatingPoint& at) {
     const std::vector<ModalInstance::Loads> cases = excitation_.cases(at);
     const double omega = 2 * std::numbers::pi * at.frequency;
     Values values;
-    for (const ModalInstance::Response& response : machine_.respond(at.frequency, cases, with_forces_))
+    for (const ModalInstance::Response& response : machine_.respond(at.frequency, cases, with_forces_)) {
         for (const int channel : chosen_) values.push_back(channels_.value(channel, response, omega));
+        std::ranges::copy(channels_.largest(response, omega), std::back_inserter(values));
+    }
+    return values;
+}
+
+ResponseCurves::Values ResponseCurves::channels_of(const Values& blocks) const {
+    Values values;
+    const size_t block = chosen_.size() + ResponseChannels::kKinds;
+    for (size_t i = 0; i < blocks.size(); ++i)
+        if (i % block < chosen_.size()) values.push_back(blocks[i]);
     return values;
 }
 
 ResponseCurves::Values ResponseCurves::evaluate_near(const ResponseSweep& sweep, double x) {
     constexpr double kBeside = 1e-8;  // far beyond rounding of x, far within any width that damping gives
     try {
-        return evaluate(sweep.at(x));
+        return evaluate_blocks(sweep.at(x));
     } catch (const Error& error) {
         if (error.code() != ExitCode::numerical_failure || x == 0) throw;
     }
-    return evaluate(sweep.at((1 + kBeside) * x));
+    return evaluate_blocks(sweep.at((1 + kBeside) * x));
 }
 
 void ResponseCurves::try_first(const ResponseSweep& sweep) {
@@ -122,20 +125,30 @@ bool ResponseCurves::find_rows(const ResponseSweep& sweep, bool shows_progress, 
 
 /// Points where the curves bend; those found so far if it is stopped.
 std::map<double, ResponseCurves::Values> ResponseCurves::find_points(const ResponseSweep& sweep) {
+    const std::vector<AdaptivePoints::Kind> block = kinds();
+    const size_t cases = size() / chosen_.size();
+    std::vector<AdaptivePoints::Kind> all;
+    for (size_t i = 0; i < cases; ++i)
+        for (AdaptivePoints::Kind kind : block) {
+            kind.of += i * ResponseChannels::kKinds;  // inputs have units of their own
+            all.push_back(kind);
+        }
     AdaptivePoints adaptive(
         [&](double x) {
             Values values = evaluate_near(sweep, x);
-            values.resize(size());
+            values.resize(all.size());
             return values;
         },
-        kinds(size() / chosen_.size()));
+        all);
     if (!adaptive.find(sweep.x, kMostAdaptive, StopSignals::requested) && !StopSignals::requested()) warn_too_many();
     for (const double x : adaptive.unbounded())
         warnings_.add("unbounded-peak",
                       fmt::format("nothing damps the motion at {:.6g} Hz: there the response grows without bound, and the "
                                   "largest values printed are not its peak",
                                   sweep.at(x).frequency));
-    return adaptive.points();
+    std::map<double, Values> points;
+    for (const auto& [x, values] : adaptive.points()) points.emplace_hint(points.end(), x, channels_of(values));
+    return points;
 }
 
 void ResponseCurves::warn_too_many() {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/adaptive_points.h"
 #include "analysis/excitation.h"
 #include "analysis/response_channels.h"
 #include "analysis/response_plan.h"
@@ -37,12 +38,13 @@ public:
     const Channel& channel(size_t curve) const {
         return channels_.all()[static_cast<size_t>(chosen_[curve % chosen_.size()])];
     }
-    /// Of the chosen channels in so many cases, by their unit and case: see AdaptivePoints.
-    std::vector<size_t> kinds(size_t cases) const;
+    /// The kinds of a block: of the chosen channels, then of what tells how large things are in the machine.
+    std::vector<AdaptivePoints::Kind> kinds() const;
 
     /// The curves of a row, then chosen channels under each random load of unit amplitude.
-    Values evaluate(const OperatingPoint& at);
-    /// On a natural frequency that nothing damps a little beside it.
+    Values evaluate(const OperatingPoint& at) { return channels_of(evaluate_blocks(at)); }
+    /// The same in blocks of kinds(), one for each input, or one for the loads, and one for each random load; on a natural
+    /// frequency that nothing damps a little beside it.
     Values evaluate_near(const ResponseSweep& sweep, double x);
     /// The first row: whether there is a response at all shows before anything is written.
     void try_first(const ResponseSweep& sweep);
@@ -55,6 +57,8 @@ public:
 
 private:
     std::map<double, Values> find_points(const ResponseSweep& sweep);
+    Values evaluate_blocks(const OperatingPoint& at);
+    Values channels_of(const Values& blocks) const;
 
     ModalMachine& machine_;
     const ResponseChannels& channels_;

@@ -166,6 +166,9 @@ LocalSensitivity differentiate_figures(const FigureFunction& function, int jobs)
             found.errors.row(f) = next.errors.row(f);
         }
     }
+    // A row near an extreme has another slope than the extreme; how far off is not known
+    for (Eigen::Index f = 0; f < found.slopes.rows(); ++f)
+        if (is_extreme(function, f)) found.errors.row(f).setConstant(std::nan(""));
     return found;
 }
 
@@ -368,7 +371,7 @@ void print(const FigureFunction& function, const LocalSensitivity& local, const 
     for (const Column& one : function.parameters()) head += fmt::format(" {:>11}", one.name);
     fmt::print("{}\n", head);
     const bool is_run = function.command() == "run";
-    std::vector<std::string> uncertain, doubtful;
+    std::vector<std::string> uncertain, of_rows, doubtful;
     for (Eigen::Index f = 0; f < local.figures.size(); ++f) {
         const Column& one = function.figures()[as_size(f)];
         std::string line = fmt::format("{:<{}} {:>14.7g} {:<8}", one.name, width, local.figures(f), one.unit);
@@ -381,6 +384,7 @@ void print(const FigureFunction& function, const LocalSensitivity& local, const 
                                             local.errors(f, p) > kNothing * std::abs(local.figures(f)));
         }
         if (is_uncertain) uncertain.push_back(one.name);
+        if (local.errors.row(f).hasNaN()) of_rows.push_back(one.name);
         bool is_doubtful = false;
         for (Eigen::Index p = 0; p < local.slopes.cols(); ++p) is_doubtful = is_doubtful || has_competing(local, f, p);
         const bool has_place = local.competing_at.size() > 0;
@@ -394,6 +398,11 @@ void print(const FigureFunction& function, const LocalSensitivity& local, const 
         fmt::print("known to worse than 1 % only{}: {}\n",
                    is_run && !method.reason.empty() ? ", as where a peak moves from one instant to another" : "",
                    listed(uncertain));
+    if (!of_rows.empty())
+        fmt::print(
+            "with an unknown error, for they are slopes at the row that is largest, not at the extreme between rows: {}; "
+            "closer rows ([output] step) bring them together\n",
+            listed(of_rows));
     if (!doubtful.empty())
         fmt::print("after a change of a parameter by less than 1 % {}, and other slopes hold: {}\n",
                    is_run                          ? "another extreme is the largest"

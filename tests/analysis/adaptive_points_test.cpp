@@ -17,7 +17,7 @@ bool goes_on() { return false; }
 
 // Oracle: closed form. The peak 1/(2 ζ √(1 − ζ²)) to 2e-5, and straight lines between the points are good to 1 %.
 TEST(AdaptivePoints, AResonanceIsDrawn) {
-    AdaptivePoints adaptive([](double x) { return AdaptivePoints::Values{resonance(x)}; }, {0});
+    AdaptivePoints adaptive([](double x) { return AdaptivePoints::Values{resonance(x)}; }, {{}});
     ASSERT_TRUE(adaptive.find(std::array{0.1, 1.0, 4.0}, 1000, goes_on));
     double peak = 0, last = 0;
     Complex last_value;
@@ -43,7 +43,7 @@ TEST(AdaptivePoints, TheHigherOfTwoPeaksIsFound) {
     for (int i = -20; i <= 20; ++i) {
         const double share = 1 + 2e-4 * i;
         const auto curve = [&](double x) { return resonance(x) + share * resonance(x / 3); };
-        AdaptivePoints adaptive([&](double x) { return AdaptivePoints::Values{curve(x)}; }, {0});
+        AdaptivePoints adaptive([&](double x) { return AdaptivePoints::Values{curve(x)}; }, {{}});
         ASSERT_TRUE(adaptive.find(std::array{0.2, 1.013, 2.97, 7.0}, 1000, goes_on));
         double peak = 0, exact = 0;
         for (const auto& [x, values] : adaptive.points()) peak = std::max(peak, std::abs(values[0]));
@@ -55,7 +55,7 @@ TEST(AdaptivePoints, TheHigherOfTwoPeaksIsFound) {
 
 // Equal natural frequencies differ by rounding: the points between them are no peak without bound.
 TEST(AdaptivePoints, EqualFrequenciesAreOnePlace) {
-    AdaptivePoints adaptive([](double x) { return AdaptivePoints::Values{resonance(x)}; }, {0});
+    AdaptivePoints adaptive([](double x) { return AdaptivePoints::Values{resonance(x)}; }, {{}});
     ASSERT_TRUE(adaptive.find(std::array{0.1, 1.0, 1.0 + 1e-15, 1.0 + 3e-15, 4.0}, 1000, goes_on));
     EXPECT_TRUE(adaptive.unbounded().empty());
 }
@@ -63,7 +63,7 @@ TEST(AdaptivePoints, EqualFrequenciesAreOnePlace) {
 // What is rounding beside curves of its kind asks for no points: without the floor of a kind there would be 100 000.
 TEST(AdaptivePoints, RoundingIsNotDrawn) {
     const auto curves = [](double x) { return AdaptivePoints::Values{resonance(x), 1e-11 * std::sin(1e9 * x)}; };
-    AdaptivePoints both(curves, {0, 0}), alone([](double x) { return AdaptivePoints::Values{resonance(x)}; }, {0});
+    AdaptivePoints both(curves, {{}, {}}), alone([](double x) { return AdaptivePoints::Values{resonance(x)}; }, {{}});
     ASSERT_TRUE(both.find(std::array{0.1, 1.0, 4.0}, 100000, goes_on));
     ASSERT_TRUE(alone.find(std::array{0.1, 1.0, 4.0}, 100000, goes_on));
     EXPECT_EQ(both.points().size(), alone.points().size());
@@ -71,7 +71,7 @@ TEST(AdaptivePoints, RoundingIsNotDrawn) {
 
 // A free direction at 0 has another value than beside it: the search ends there all the same.
 TEST(AdaptivePoints, AFreeDirectionAtZeroEnds) {
-    AdaptivePoints adaptive([](double x) { return AdaptivePoints::Values{x == 0 ? 1.0 : 1.0 / (x * x)}; }, {0});
+    AdaptivePoints adaptive([](double x) { return AdaptivePoints::Values{x == 0 ? 1.0 : 1.0 / (x * x)}; }, {{}});
     ASSERT_TRUE(adaptive.find(std::array{0.0, 2.0, 5.0}, 100000, goes_on));
     EXPECT_TRUE(adaptive.unbounded().empty());
     EXPECT_LT(adaptive.points().size(), 1000u);
@@ -80,11 +80,11 @@ TEST(AdaptivePoints, AFreeDirectionAtZeroEnds) {
 // 1/|x − a| has no peak: the place is told once, and the search stops where it is asked to.
 TEST(AdaptivePoints, WhatHasNoPeakIsTold) {
     const auto curve = [](double x) { return AdaptivePoints::Values{1 / (std::abs(x - 1.2345) + 1e-14)}; };
-    AdaptivePoints adaptive(curve, {0});
+    AdaptivePoints adaptive(curve, {{}});
     ASSERT_TRUE(adaptive.find(std::array{0.5, 1.2345, 2.0}, 100000, goes_on));
     ASSERT_EQ(adaptive.unbounded().size(), 1u);
     EXPECT_NEAR(adaptive.unbounded().front(), 1.2345, 1e-6);
-    AdaptivePoints few(curve, {0});
+    AdaptivePoints few(curve, {{}});
     EXPECT_FALSE(few.find(std::array{0.5, 2.0}, 10, goes_on));
     EXPECT_EQ(few.points().size(), 10u);
 }

@@ -255,6 +255,44 @@ TEST_F(SteadyVibration, ASweepOfRandomLoadsAndOfSpeeds) {
     EXPECT_NEAR(std::stod(speeds[2].back()), 200, 1e-9);
 }
 
+// A turned plate on four equal mounts, shaken through its centre: it does not turn, and two of its frequencies are equal.
+// Oracle: what its rotations show is rounding, so that all channels ask for no more points than the forces.
+TEST_F(SteadyVibration, WhatIsZeroBesideOtherMotionsIsNotDrawn) {
+    std::string text = R"(format = "dttmm/1"
+[[body]]
+name = "plate"
+mass = 14
+inertia = [0.11, 0.1, 0.21]
+quaternion = [0.5, 0.7, 0.1, -0.5]
+markers = { a = [0.1, 0.1, 0], b = [-0.1, 0.1, 0], c = [-0.1, -0.1, 0], d = [0.1, -0.1, 0] }
+[[load]]
+on = "plate"
+direction = [0.3, 0.2, 1]
+harmonic = { amplitude = 3 }
+)";
+    for (const char* corner : {"a", "b", "c", "d"})
+        text += fmt::format(R"([[element]]
+name = "mount_{0}"
+type = "spring_damper"
+from = "ground"
+to = "plate.{0}"
+stiffness = [3e5, 3e5, 5e5]
+damping = 100
+)",
+                            corner);
+    const std::vector<std::string> range = {"--from", "5Hz", "--to", "300Hz", "-q"};
+    const auto rows = [&](std::vector<std::string> words) {
+        words.insert(words.end(), range.begin(), range.end());
+        const Table found = response(text, words);
+        EXPECT_THAT(err_, testing::Not(testing::AnyOf(HasSubstr("nothing damps"), HasSubstr("still not straight"))));
+        return found.rows.size();
+    };
+    const size_t of_forces = rows({"--out", "mount_*.force"});
+    EXPECT_GT(of_forces, 20u);
+    EXPECT_LT(rows({"--out", "*"}), 2 * of_forces);
+    EXPECT_LT(rows({"--out", "plate.rotation.z"}), of_forces);
+}
+
 // ---- Wrong questions -----------------------------------------------------------------------------------------------------
 
 // Oracle: the wanted responses: a code, the rule, the cure; no folder is made.

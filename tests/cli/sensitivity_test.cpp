@@ -277,6 +277,9 @@ TEST_F(LocalSensitivities, WhyHistoriesAreDifferencesIsTold) {
     EXPECT_EQ(json["method"], "differences");
     EXPECT_THAT(said_, HasSubstr("by differences of whole runs: a run to a tolerance is of several time steps"));
     EXPECT_THAT(json["reason"].get<std::string>(), HasSubstr("tolerance"));
+    // The largest row has another slope than the extreme between rows
+    EXPECT_TRUE(json["figures"][0]["by"]["k1"]["error"].is_null());
+    EXPECT_THAT(said_, HasSubstr("not at the extreme between rows: bolt1.force.z.peak; closer rows"));
 }
 
 // Oracle: of a linear figure the deviation is the slope times the scatter; the check by cases agrees. f4 bends by 0.3 of its

@@ -32,6 +32,7 @@ std::string text_of(const TomlValue& table, const char* key) {
 struct Part {
     std::string name;
     double start, length;  ///< from the `from` end of the line [m]
+    double segment = 0;    ///< length of a lump before the first cut [m]; 0: it is not cut
 };
 
 class LineCutter {
@@ -251,14 +252,14 @@ private:
                     "at: a node or an end is {:.4g} m away, and its motion is recorded already; place the probe at least "
                     "{:.4g} m away, or leave it out",
                     part == parts.end() ? 0 : std::min(at - part->start, part->start + part->length - at), least));
-        const Part behind{on + "_" + name, at, part->start + part->length - at};
+        Part behind{on + "_" + name, at, part->start + part->length - at};
         cut(*part, behind, name, table.find("name")->value.place);
         part->length = at - part->start;
         parts.insert(part + 1, behind);
     }
 
     /// Shortens the element of a part and puts a new one behind it.
-    void cut(const Part& part, const Part& behind, const std::string& node, Place place) {
+    void cut(Part& part, Part& behind, const std::string& node, Place place) {
         TomlValue& elements = *find_list("element");
         const auto entry =
             std::ranges::find_if(elements.items, [&](const TomlValue& one) { return text_of(one, "name") == part.name; });
@@ -268,12 +269,14 @@ private:
         set_member(second, "name", text_value(behind.name, place));
         set_member(second, "from", text_value(node, place));
         set_member(*entry, "to", text_value(node, place));
-        share_segments(*entry, second, (behind.start - part.start) / part.length);
+        share_segments(part, behind, *entry, second);
         elements.items.insert(entry + 1, std::move(second));
     }
 
-    /// Lumps in proportion to the lengths: where `share` of them is whole the lumps stay where they were.
-    void share_segments(TomlValue& first, TomlValue& second, double share) const {
+    /// So many lumps for each part that none is longer than before the first cut, whatever else is cut: where that is a
+    /// whole number of them they stay where they were.
+    void share_segments(Part& part, Part& behind, TomlValue& first, TomlValue& second) const {
+        constexpr double kWhole = 1e-9;  // of a lump: rounding of lengths
         const dttmm_element_type& type = *line_type(first);
         const dttmm_parameter* end = type.parameters + type.parameter_count;
         const dttmm_parameter* parameter = std::find_if(
@@ -285,17 +288,18 @@ private:
         const auto number =
             given ? read_number(silent, given->value, "segments", "1") : std::optional(parameter->default_value);
         if (!number || *number < 1) return;  // its reader reports it
-        const double before = std::max(1.0, std::round(*number * share)), after = std::max(1.0, *number - before);
+        if (part.segment == 0) part.segment = part.length / *number;
+        behind.segment = part.segment;
         const Place place = given ? given->value.place : first.place;
-        const auto set = [&](TomlValue& entry, double count) {
+        const auto set = [&](TomlValue& entry, double length) {
             TomlValue value;
             value.kind = TomlValue::Kind::integer;
             value.place = place;
-            value.number = count;
+            value.number = std::max(1.0, std::ceil(length / part.segment - kWhole));
             set_member(entry, "segments", value);
         };
-        set(first, before);
-        set(second, after);
+        set(first, behind.start - part.start);
+        set(second, behind.length);
     }
 
     std::string known(const std::string& name) {

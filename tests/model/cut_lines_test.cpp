@@ -61,6 +61,7 @@ TEST(CutLines, SectionsAreAChainOfElements) {
 }
 
 // Oracle: the cuts by hand: at 1.5 m in the second section, at 0.5 m in the first, whose ten lumps are five and five.
+// Of the four lumps of the second, 0.375 m long, 0.5 m and 1 m need two and three.
 TEST(CutLines, ProbesCutTheirLine) {
     const Model model = parse_lines(kRoot + kPole + kSections +
                                     "[[probe]]\nname = \"low\"\non = \"pole\"\nat = 1.5\n[[probe]]\nname = \"high\"\non = "
@@ -71,7 +72,7 @@ TEST(CutLines, ProbesCutTheirLine) {
     EXPECT_THAT(names, ElementsAre("pole1", "pole_high", "pole2", "pole_low", "pole3"));
     EXPECT_THAT(model.elements[0].values, ElementsAre(5, 0.25, 3));
     EXPECT_THAT(model.elements[1].values, ElementsAre(5, 0.25, 3));
-    EXPECT_THAT(model.elements[2].values, ElementsAre(1, 2, 3));
+    EXPECT_THAT(model.elements[2].values, ElementsAre(2, 2, 3));
     EXPECT_THAT(model.elements[3].values, ElementsAre(3, 2, 3));
     ASSERT_EQ(model.nodes.size(), 5u);
     EXPECT_EQ(model.nodes[3].name, "low");
@@ -81,6 +82,24 @@ TEST(CutLines, ProbesCutTheirLine) {
     EXPECT_EQ(model.elements[3].ends[0].node, 3);
     ASSERT_EQ(model.loads.size(), 5u);
     for (int i = 0; i < 5; ++i) EXPECT_EQ(model.loads[static_cast<std::size_t>(i)].element, i);
+}
+
+// Oracle: the longest lump, 0.4 m, counted out in the three parts. Neither the order of the probes nor that of the ends
+// matters.
+TEST(CutLines, NoLumpIsLongerThanWithoutProbes) {
+    const auto lumps = [](double first, double second) {
+        const Model model = parse_lines(
+            kRoot + kPole + "segments = 10\n" +
+            fmt::format("[[probe]]\nname = \"a\"\non = \"pole\"\nat = {}\n[[probe]]\nname = \"b\"\non = \"pole\"\nat = {}\n",
+                        first, second));
+        std::vector<double> counts;
+        for (const Element& element : model.elements) counts.push_back(element.values[0]);
+        return counts;
+    };
+    EXPECT_THAT(lumps(0.96, 2.49), ElementsAre(3, 4, 4));
+    EXPECT_THAT(lumps(2.49, 0.96), ElementsAre(3, 4, 4));
+    EXPECT_THAT(lumps(4 - 2.49, 4 - 0.96), ElementsAre(4, 4, 3));
+    EXPECT_THAT(lumps(0.8, 2.4), ElementsAre(2, 4, 4));
 }
 
 TEST(CutLines, AProbeOnABodyIsAMarker) {

@@ -176,6 +176,13 @@ std::optional<DampedModes> damped_of(const Request& request, const Plugins& plug
     return find_damped_modes(machine, below, warnings);
 }
 
+void print_proof(const std::vector<Mode>& modes, const ResultsFolder& folder) {
+    double widest = 0;
+    for (const Mode& mode : modes) widest = std::max(widest, mode.numbers.bracket);
+    fmt::print("counted and complete{}; results in {}\n",
+               modes.empty() ? "" : fmt::format(", each within {:.1e} of itself", widest), folder.describe());
+}
+
 }  // namespace
 
 ExitCode find_modes(const Request& request) {
@@ -230,12 +237,7 @@ ExitCode find_modes(const Request& request) {
         if (!modes.empty()) print_participation(model, modes);
         if (damped) print_damped(*damped);
         if (given) given->print();
-        double widest = 0;
-        for (const Mode& mode : modes) widest = std::max(widest, mode.numbers.bracket);
-        if (modes.empty())
-            fmt::print("counted and complete; results in {}\n", folder.describe());
-        else
-            fmt::print("counted and complete, each within {:.1e} of itself; results in {}\n", widest, folder.describe());
+        print_proof(modes, folder);
     }
     return ExitCode::ok;
 }

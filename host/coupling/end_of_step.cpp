@@ -14,6 +14,8 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
     : equations_(model, networks),
       convergence_(model, networks, equations_.joint_system()),
       joints_(model.joints),
+      stops_(model.joints.size()),
+      stops_before_(model.joints.size()),
       wrenches_(6 * model.bodies.size()) {
     for (BodyVectors* list : {&previous_u_, &base_u_, &feedback_}) *list = equations_.u();
 }
@@ -35,6 +37,7 @@ std::vector<BodyState> EndOfStep::start(double h, const std::vector<BodyState>& 
 void EndOfStep::begin_step(const dttmm_step& step, const std::vector<BodyState>& now, const Loads& loads) {
     open_ = {step.index, step.time};
     stops_before_ = stops_;
+    may_leave_stops_ = true;
     std::ranges::fill(wrenches_, 0.0);
     loads.add_over_step(now, wrenches_.data());
     equations_.begin_step(now, wrenches_);
@@ -98,7 +101,7 @@ bool EndOfStep::find_end(const std::vector<BodyState>& now, Networks& networks) 
         if (!equations_.joint_system().has_stops()) return true;
         equations_.move(now, equations_.h(), trial_);
         if (!equations_.release_pulling_stops(stops_) && !equations_.add_first_stop(now, trial_, stops_before_, stops_) &&
-            !equations_.leave_stops(now, trial_, stops_before_, stops_))
+            !(may_leave_stops_ && equations_.leave_stops(now, trial_, stops_before_, stops_)))
             return true;
         linearise_joints(now);
         first_trusted = pass + 2;

@@ -46,6 +46,8 @@ public:
     /// are added here, their forces among the wrenches. May be called again with others. Throws Error(numerical_failure)
     /// naming the worst body when it does not converge.
     const BodyVectors& solve(const std::vector<BodyState>& now, Networks& networks, const std::vector<Stop>& stops);
+    /// Has stops hold over the open step what they would have let go at once: where ODE does not agree to it.
+    void hold_stops() { may_leave_stops_ = false; }
 
     /// The bodies at the end of the step last solved.
     const std::vector<BodyState>& predicted() const { return trial_; }
@@ -92,6 +94,7 @@ private:
     std::vector<Joint> joints_;
     std::vector<Stop> stops_;              ///< that act over the open step
     std::vector<Stop> stops_before_;       ///< that acted over the step before
+    bool may_leave_stops_ = true;          ///< over the open step
     std::vector<BodyState> trial_, half_;  ///< at the end of the step, and half way
     std::vector<double> wrenches_;         ///< 6 per body
     BodyVectors previous_u_;               ///< over the step before

@@ -222,16 +222,15 @@ bool StepEquations::add_first_stop(const std::vector<BodyState>& now, const std:
         for (int side : {1, -1}) {
             const double stop = joint.stops()[side > 0 ? 0 : 1];
             if (side * (start + way - stop) >= -Stop::kPlay || side * (start - stop) < 0) continue;
-            double share = (stop - start) / way, left = -side * Stop::kPlay;
+            double share = (stop - start) / way;
             if (only_forces_act(before, stops, j)) {
                 const Course course(joint, h_, way, now, end);
                 share = share_of(stop - start, way + course.turning, course.gain, h_);
-                if (side * course.gain > 0) left = 0.5 * h_ * (1 - share) * (1 - share) * course.gain;
             }
             if (share >= first) continue;
             first = share;
             reached = j;
-            stop_reached = {true, (stop + left - start) / h_, side, true, share};
+            stop_reached = {true, (stop - side * Stop::kPlay - start) / h_, side, true, share, std::abs(way) / h_};
         }
     }
     if (reached == stops.size()) return false;
@@ -257,13 +256,19 @@ bool StepEquations::leave_stops(const std::vector<BodyState>& now, const std::ve
         const double free =
             joint.coordinate_speed(now, end) + (stops[j].acts ? impulses_(stop_index(j)) / impulse_per_speed(j) : 0);
         const Course course(joint, h_, h_ * free, now, end);
-        const double steps = 1.5 - reached.share;  // velocities stand half a step back
+        const bool is_drawn_off = reached.side * course.gain > 0;
+        if (!is_drawn_off && reached.left == 0) continue;
+        // The first step leads to where it is after (2 - share) h, the second has the speed of half a step later
+        const double steps = reached.left == 0 ? 0.5 * std::pow(2 - reached.share, 2) : 2.5 - reached.share;
         double speed = steps * course.gain - course.turning / h_;
-        if (reached.left == 1)  // dampers now have the speed after the impact
-            speed = free + steps * (course.gain - reached.gain);
-        else if (reached.side * course.gain <= 0 || reached.side * (speed - free) <= 0)
-            continue;
-        stops[j] = {true, speed, reached.side, true, reached.share, reached.left + 1, course.gain};
+        const double start = joint.coordinate(now);
+        const auto stop = [&](int side) { return joint.stops()[side > 0 ? 0 : 1]; };
+        if (!is_drawn_off)  // only dampers did so, before the impact: back to the stop
+            speed = (stop(reached.side) - reached.side * Stop::kPlay - start) / h_;
+        // It leaves no faster than it came: forces then change its speed little within these steps
+        if ((2.5 - reached.share) * std::abs(course.gain) > reached.arrival) continue;
+        if (reached.side * (start + h_ * speed - stop(-reached.side)) > 0) continue;
+        stops[j] = {true, speed, reached.side, true, reached.share, reached.arrival, reached.left + 1};
         changed = true;
     }
     return changed;

@@ -71,12 +71,11 @@ public:
     bool release_pulling_stops(std::vector<Stop>& stops) const;
     // before: those of the step before. A stop takes the speed at the instant at which it is reached; what draws off has
     // acted since, and the machine leaves with the speed that this has made.
-    /// Adds the first stop that the motion runs through, so that it ends there, or where it has gone since; true if there
-    /// is one.
+    /// Adds the first stop that the motion runs through, so that it ends there; true if there is one.
     bool add_first_stop(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
                         const std::vector<Stop>& before, std::vector<Stop>& stops) const;
-    /// Has the machine leave stops that were reached within the step before and from which it is drawn off; true if there
-    /// are any.
+    /// Has the machine leave, over two steps, stops that were reached within the step before and from which it is drawn off;
+    /// true if there are any.
     bool leave_stops(const std::vector<BodyState>& now, const std::vector<BodyState>& end, const std::vector<Stop>& before,
                      std::vector<Stop>& stops);
     /// Whether a stop changes the speed of its coordinate over the step: it has not been at rest on it.

@@ -430,6 +430,22 @@ void Diagnostician::judge_best(const Trial& best, Diagnosis& diagnosis) const {
     diagnosis.step = describe_step(find_step_bias(identifier.residuals(), at), at, best.unknowns, comparison_.time_step());
 }
 
+size_t Diagnostician::put_candidates_first(std::vector<Trial>& trials) {
+    const double least = trials.front().hypothesis.score;
+    const auto has_simpler = [&](const Trial& one) {
+        return std::ranges::any_of(trials, [&](const Trial& other) {
+            return other.hypothesis.score <= one.hypothesis.score && is_part(other.hypothesis, one.hypothesis);
+        });
+    };
+    std::vector<Trial> candidates, others;
+    for (const Trial& one : trials)
+        (one.hypothesis.score - least < kDistinct && !has_simpler(one) ? candidates : others).push_back(one);
+    const size_t count = candidates.size();
+    candidates.insert(candidates.end(), others.begin(), others.end());
+    trials = std::move(candidates);
+    return count;
+}
+
 Diagnosis Diagnostician::diagnose() {
     Diagnosis diagnosis;
     Trial null = start_trial({}, false, common_.start());
@@ -479,22 +495,8 @@ Diagnosis Diagnostician::diagnose() {
     const bool is_seen = diagnosis.unchanged.score - trials.front().hypothesis.score > kDistinct;
     judge_best(is_seen ? trials.front() : null, diagnosis);
     if (!is_seen) diagnosis.least_seen = least_seen(null);
-    const double least = trials.front().hypothesis.score;
-    const auto has_simpler = [&](const Trial& one) {
-        return std::ranges::any_of(trials, [&](const Trial& other) {
-            return other.hypothesis.score <= one.hypothesis.score && is_part(other.hypothesis, one.hypothesis);
-        });
-    };
-    std::vector<bool> are_candidates;
-    for (const Trial& one : trials)
-        are_candidates.push_back(is_seen && one.hypothesis.score - least < kDistinct && !has_simpler(one));
-    std::vector<Trial> sorted;
-    for (const bool is_candidate : {true, false})
-        for (size_t t = 0; t < trials.size(); ++t)
-            if (are_candidates[t] == is_candidate) sorted.push_back(trials[t]);
-    trials = std::move(sorted);
-    const auto end = trials.begin() + std::ranges::count(are_candidates, true);
-    const auto candidates = std::span(trials).first(as_size(end - trials.begin()));
+    const size_t count = is_seen ? put_candidates_first(trials) : 0;
+    const auto candidates = std::span(trials).first(count);
     add_intervals(candidates);
     for (size_t t = 0; t < trials.size(); ++t)
         (t < candidates.size() ? diagnosis.candidates : diagnosis.others).push_back(trials[t].hypothesis);

@@ -103,6 +103,9 @@ private:
     void find_ties(Diagnosis& diagnosis) const;
     std::optional<double> find_limit(const Trial& null, size_t suspect, double effect) const;
     std::optional<double> least_seen(const Trial& null) const;
+    /// Puts those that the data hardly tell from the best, and that no simpler one explains as well, first; returns how
+    /// many.
+    static size_t put_candidates_first(std::vector<Trial>& trials);
     void add_intervals(std::span<Trial> trials) const;
 
     Comparison& comparison_;

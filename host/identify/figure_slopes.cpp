@@ -25,6 +25,14 @@ FigureSlopes::FigureSlopes(const HistoryFigures& figures, Eigen::Index direction
 
 double FigureSlopes::Extreme::place() const { return -0.5 * (rows[3].value - rows[1].value) / bend(); }
 
+/// By the third difference on either side.
+bool FigureSlopes::Extreme::is_kink() const {
+    const auto is_large = [&](double third) { return std::abs(third) > kKink * std::abs(bend()); };
+    const double rise = rows[3].value - rows[2].value, before_it = rows[2].value - rows[1].value;
+    return (before > 1 && is_large(bend() - (before_it - (rows[1].value - rows[0].value)))) ||
+           (next && is_large(*next - rows[3].value - rise - bend()));
+}
+
 FigureSlopes::Extreme::Found FigureSlopes::Extreme::find(double swing) const {
     const Eigen::RowVectorXd none = Eigen::RowVectorXd::Zero(rows[2].slope.size());
     if (!is_between()) return {rows[2].slope, none, none, none};
@@ -48,8 +56,7 @@ FigureSlopes::Extreme::Found FigureSlopes::Extreme::find(double swing) const {
                         : Eigen::RowVectorXd(turn * (std::abs(cube) * slope_bend.cwiseAbs() + way.cwiseAbs() / 6));
     const Eigen::RowVectorXd slope = rows[2].slope + x * rise + 0.5 * x * x * slope_bend + correction;
     const Eigen::RowVectorXd of_time = -row_step / bend() * way;
-    if (before > 1 && std::abs(third) > kKink * bent)
-        return {rows[2].slope, none, (slope - rows[2].slope).cwiseAbs(), of_time.cwiseAbs()};
+    if (is_kink()) return {rows[2].slope, none, (slope - rows[2].slope).cwiseAbs(), of_time.cwiseAbs()};
     return {slope, of_time, error, (turn * turn + std::abs(third) / bent) * of_time.cwiseAbs()};
 }
 
@@ -80,6 +87,8 @@ void FigureSlopes::take_row(double time, std::span<const double> values, const E
         const Point row{values[w], time, slopes.row(as_row(w))};
         for (const Kind kind : {kPeak, kMinimum, kMaximum}) {
             const double before = size_of(kind, one.before.value), size = size_of(kind, one.last.value);
+            for (Extreme* extreme : {&one.extremes[kind].largest, &one.extremes[kind].second})
+                if (rows_ > 2 && extreme->is_between() && extreme->rows[3].time == one.last.time) extreme->next = row.value;
             if (rows_ == 2 && before > size)
                 one.extremes[kind].take(at_end(one.before, {one.before, one.last, row}, before));
             if (rows_ > 1 && size > size_of(kind, row.value) && size >= before)

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "study/figures.h"
@@ -47,9 +48,11 @@ private:
         int before = 0;             ///< how many of those before there are; at an end only its own row counts
         bool has_after = false;
         double size = -std::numeric_limits<double>::infinity();
+        std::optional<double> next = {};  ///< the value two rows after it
 
         bool is_between() const { return before > 0 && has_after && bend() != 0; }
         double bend() const { return rows[3].value - 2 * rows[2].value + rows[1].value; }
+        bool is_kink() const;
         double place() const;  ///< by the parabola, from its own row, in rows
         struct Found {
             Eigen::RowVectorXd slope, of_time, error, error_of_time;

@@ -194,6 +194,7 @@ void Simulation::move_bodies() {
             return end_of_step_.confirm(after_);
         engine_.stops = world_.stops();
         world_.restore(engine_.saved);
+        if (attempt == kMostAttempts / 2) end_of_step_.hold_stops();
     }
     throw Error(
         ExitCode::numerical_failure,

@@ -22,8 +22,8 @@ struct Stop {
     int side = 0;              ///< 1: the lower stop, which pushes the coordinate up; −1: the upper
     bool is_foreseen = false;  ///< reached within the step, or left in it: ODE does not see it
     double share = 0;          ///< of the step after which a foreseen one is reached
+    double arrival = 0;        ///< how fast the coordinate came [rad/s, m/s]
     int left = 0;              ///< the machine leaves it, as many steps after that in which it was reached; 0: it does not
-    double gain = 0;           ///< what the machine was taken to gain of speed over a step as it left [rad/s, m/s]
 };
 
 /// What a motor asks of the coordinate of its joint [rad, m] around a step from t_n to t_{n+1}.

@@ -82,6 +82,23 @@ double DampedModes::lost_inside(const Eigen::VectorXcd& z) const {
     return sum;
 }
 
+namespace {
+
+/// Of s² M + s C + K, whose value at `shift` is A: s = shift + 1/µ and µ² A + µ (C + 2 shift M) + M = 0. Its eigenvalues are
+/// µ in units of 1/shift. Where there is no mass µ is 0, and s without bound.
+template <class Dense>
+Dense companion_of(const Dense& A, const Dense& C, const Dense& M, double shift) {
+    const Eigen::PartialPivLU<Dense> lu(A);
+    const Eigen::Index n = A.rows();
+    Dense companion = Dense::Zero(2 * n, 2 * n);
+    companion.topLeftCorner(n, n) = -shift * lu.solve(C + 2 * shift * M);
+    companion.topRightCorner(n, n) = -shift * shift * lu.solve(M);
+    companion.bottomLeftCorner(n, n).setIdentity();
+    return companion;
+}
+
+}  // namespace
+
 /// Complex numbers are there for stiffness with a loss factor: it counts for what turns as e^(iωt) with ω > 0.
 template <class Scalar>
 void DampedModes::find_all(double below) {
@@ -116,14 +133,8 @@ void DampedModes::find_all(double below) {
     const auto reduced = [&](const Dense& whole) -> Dense { return own.transpose() * whole * own; };
     const Dense K = reduced(at_zero), A = reduced(above), B = reduced(under);
     const Dense M = ((A + B) / 2 - K) / (shift * shift), C = (A - B) / (2 * shift);
-    // s = shift + 1/µ: µ² A + µ A' + M = 0 with A' = C + 2 shift M. Where there is no mass µ is 0, and s without bound
-    const Eigen::PartialPivLU<Dense> lu(A);
     const Eigen::Index n = K.rows();
-    Dense companion = Dense::Zero(2 * n, 2 * n);
-    companion.topLeftCorner(n, n) = -shift * lu.solve(C + 2 * shift * M);  // µ in units of 1/shift
-    companion.topRightCorner(n, n) = -shift * shift * lu.solve(M);
-    companion.bottomLeftCorner(n, n).setIdentity();
-    const Solver found(companion);
+    const Solver found(companion_of<Dense>(A, C, M, shift));
     if (found.info() != Eigen::Success)
         throw Error(DTTMM_ERROR_NUMERIC, "the damped modes are not found: the eigenvalues do not converge");
     const Eigen::MatrixXcd vectors = found.eigenvectors();

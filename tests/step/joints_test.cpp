@@ -477,7 +477,8 @@ struct BlockOnAnArm {
 };
 
 // A stop takes the speed, and the spring draws the block off at once. Oracle: closed form. The instant of the impact falls
-// anywhere within a step: the error of any step is below one line of second order.
+// anywhere within a step: the error of any step is below one line of second order. In the row behind the impact the block is
+// on the stop, from which it has gone by half of 33 m/s^2 times h^2 at most.
 TEST(Joints, AStopThatIsLeftAtOnceIsOfSecondOrder) {
     const Plugins plugins;
     for (const auto& [omega, damping] :
@@ -485,7 +486,7 @@ TEST(Joints, AStopThatIsLeftAtOnceIsOfSecondOrder) {
         const BlockOnAnArm machine{omega, 2900, damping};
         for (int n = 300; n < 9000; n = n * 7 / 5 + 1) {
             const double h = 0.12 / n;
-            EXPECT_LT(machine.error(plugins, h, 0.12), 12.5 * h * h) << omega << " " << damping << " " << n;
+            EXPECT_LT(machine.error(plugins, h, 0.12), 16.5 * h * h) << omega << " " << damping << " " << n;
         }
     }
 }

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <string_view>
+#include <unordered_map>
 
 #include "analysis/curves.h"
 #include "analysis/json.h"
@@ -25,13 +27,36 @@ namespace {
 
 using Mode = ModalInstance::Mode;
 
-/// Shapes of a case as one column each, displacements of all places.
-Eigen::MatrixXd shapes_of(const ModalMachine& machine, const std::vector<Mode>& modes) {
+/// Shapes of a case as one column each, six rows per place.
+struct CaseShapes {
+    std::vector<std::string> places;
+    Eigen::MatrixXd values;
+};
+
+CaseShapes shapes_of(const ModalMachine& machine, const std::vector<Mode>& modes) {
     const std::vector<ModalPlace>& places = machine.places();
     Eigen::MatrixXd shapes(as_row(6 * places.size()), as_row(modes.size()));
     for (size_t m = 0; m < modes.size(); ++m)
         for (size_t p = 0; p < places.size(); ++p)
             shapes.block<6, 1>(as_row(6 * p), as_row(m)) = machine.motion(places[p], modes[m]);
+    std::vector<std::string> names;
+    for (const ModalPlace& place : places) names.push_back(place.name);
+    return {names, shapes};
+}
+
+/// The shapes of all cases over the places of all. A place that a case does not have does not move in it: so a shape of the
+/// parts that only one of two cases has is not like any of the other.
+std::vector<Eigen::MatrixXd> over_all_places(const std::vector<const CaseShapes*>& cases) {
+    std::vector<std::string> all;
+    for (const CaseShapes* one : cases) merge_names(all, one->places);
+    std::unordered_map<std::string_view, size_t> index;
+    for (size_t p = 0; p < all.size(); ++p) index.emplace(all[p], p);
+    std::vector<Eigen::MatrixXd> shapes;
+    for (const CaseShapes* one : cases) {
+        Eigen::MatrixXd& own = shapes.emplace_back(Eigen::MatrixXd::Zero(as_row(6 * all.size()), one->values.cols()));
+        for (size_t p = 0; p < one->places.size(); ++p)
+            own.middleRows<6>(as_row(6 * index.at(one->places[p]))) = one->values.middleRows<6>(as_row(6 * p));
+    }
     return shapes;
 }
 
@@ -60,17 +85,15 @@ double least_likeness(const CaseCurves& curves) {
 
 std::string modes_sweep_table(const std::vector<SweptCase>& cases, const std::vector<CaseCurves>& curves,
                               const std::vector<Parameter>& parameters) {
-    const size_t count = curves.empty() ? 0 : curves.front().mode_of.size();
-    std::vector<Column> columns;
-    for (size_t k = 0; k < count; ++k) columns.push_back({fmt::format("curve{}", k + 1), "Hz"});
-    for (size_t k = 0; k < count; ++k) columns.push_back({fmt::format("mac{}", k + 1), "1"});
     std::vector<SweepRow> rows;
     for (size_t c = 0; c < cases.size(); ++c) {
-        rows.push_back({cases[c].parameters, {}});
-        for (size_t k = 0; k < count; ++k) rows.back().cells.emplace_back(frequency_of(cases[c], curves[c], k));
-        for (double likeness : curves[c].likeness) rows.back().cells.emplace_back(likeness);
+        SweepRow& row = rows.emplace_back(SweepRow{cases[c].parameters, {}});
+        for (size_t k = 0; k < curves[c].mode_of.size(); ++k)
+            row.cells.push_back({{fmt::format("curve{}", k + 1), "Hz"}, frequency_of(cases[c], curves[c], k)});
+        for (size_t k = 0; k < curves[c].likeness.size(); ++k)
+            row.cells.push_back({{fmt::format("mac{}", k + 1), "1"}, curves[c].likeness[k]});
     }
-    return make_sweep_table(parameters, columns, rows);
+    return make_sweep_table(parameters, rows);
 }
 
 Json describe_sweep(const std::vector<SweptCase>& cases, const std::vector<CaseCurves>& curves) {
@@ -139,17 +162,17 @@ void warn_unlike(const std::vector<CaseCurves>& curves, Warnings& warnings) {
 }
 
 /// The curves of the cases that have not failed; the others have no part in them.
-std::vector<CaseCurves> follow_completed(const std::vector<SweptCase>& cases, const std::vector<Eigen::MatrixXd>& shapes) {
+std::vector<CaseCurves> follow_completed(const std::vector<SweptCase>& cases, const std::vector<CaseShapes>& shapes) {
     std::vector<size_t> completed;
     std::vector<std::vector<double>> swept;
-    std::vector<Eigen::MatrixXd> kept;
+    std::vector<const CaseShapes*> kept;
     for (size_t c = 0; c < cases.size(); ++c) {
         if (!cases[c].reason.empty()) continue;
         completed.push_back(c);
         swept.push_back(cases[c].swept);
-        kept.push_back(shapes[c]);
+        kept.push_back(&shapes[c]);
     }
-    std::vector<CaseCurves> found = follow_curves(swept, kept);
+    std::vector<CaseCurves> found = follow_curves(swept, over_all_places(kept));
     const size_t count = found.empty() ? 0 : found.front().mode_of.size();
     std::vector<CaseCurves> curves(cases.size(), {std::vector<size_t>(count, CaseCurves::kNone),
                                                   std::vector<double>(count, std::nan("")), CaseCurves::kNone});
@@ -184,7 +207,7 @@ ExitCode sweep_modes(const Request& request, const std::vector<SweepAxis>& axes)
     refuse_column_names(base.model);
     check_axes(axes, base.model.parameters, request.overrides.parameters);
     std::vector<SweptCase> cases;
-    std::vector<Eigen::MatrixXd> shapes;
+    std::vector<CaseShapes> shapes;
     std::exception_ptr fault;
     for (size_t c = 0; c < grid.size() && !StopSignals::requested(); ++c) {
         Request own = request;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 
 #include "analysis/modal_session.h"
@@ -45,61 +46,71 @@ std::vector<Parameter> parameters_of_case(const RespondedCase& one) {
     return parameters;
 }
 
-/// Heads and cells follow the first case that completed.
 std::string response_sweep_table(const std::vector<RespondedCase>& cases, const std::vector<Parameter>& parameters) {
-    std::vector<Column> columns = {{"status", ""}, {"reason", ""}, {"warnings", ""}};
-    const auto first = std::ranges::find(cases, "completed", &RespondedCase::status);
-    if (first != cases.end()) {
-        for (const auto& one : first->found.largest) {
-            columns.push_back({one.name + ".largest", one.unit});
-            columns.push_back({one.name + ".frequency", "Hz"});
-            if (one.rpm) columns.push_back({one.name + ".rpm", "rpm"});
-        }
-        for (const auto& one : first->found.levels) columns.push_back({one.name + ".rms", one.unit});
-    }
     std::vector<SweepRow> rows;
     for (const RespondedCase& one : cases) {
-        SweepRow& row = rows.emplace_back(SweepRow{parameters_of_case(one), {one.status, one.reason}});
-        if (one.status != "completed") continue;
-        row.cells.emplace_back(static_cast<double>(one.warnings));
+        SweepRow& row = rows.emplace_back(SweepRow{parameters_of_case(one), {}});
+        const bool is_completed = one.status == "completed";
+        row.cells = {{{"status", ""}, one.status},
+                     {{"reason", ""}, one.reason},
+                     {{"warnings", ""}, is_completed ? static_cast<double>(one.warnings) : std::nan("")}};
+        if (!is_completed) continue;
         for (const auto& largest : one.found.largest) {
-            row.cells.emplace_back(largest.size);
-            row.cells.emplace_back(largest.frequency);
-            if (largest.rpm) row.cells.emplace_back(*largest.rpm);
+            row.cells.push_back({{largest.name + ".largest", largest.unit}, largest.size});
+            row.cells.push_back({{largest.name + ".frequency", "Hz"}, largest.frequency});
+            if (largest.rpm) row.cells.push_back({{largest.name + ".rpm", "rpm"}, *largest.rpm});
         }
-        for (const auto& level : one.found.levels) row.cells.emplace_back(level.rms);
+        for (const auto& level : one.found.levels) row.cells.push_back({{level.name + ".rms", level.unit}, level.rms});
     }
-    return make_sweep_table(parameters, columns, rows);
+    return make_sweep_table(parameters, rows);
+}
+
+/// Of all cases that completed.
+std::vector<std::string> names_of(const std::vector<RespondedCase>& cases, const auto& list) {
+    std::vector<std::string> names;
+    for (const RespondedCase& one : cases) {
+        std::vector<std::string> own;
+        for (const auto& entry : one.found.*list) own.push_back(entry.name);
+        if (one.status == "completed") merge_names(names, own);
+    }
+    return names;
+}
+
+/// "  0.0123 mm       52.1" of a curve, "  0.0123 mm" of an RMS value; the status of a case without results.
+std::string describe_response(const RespondedCase& one, const std::string& name, bool is_level) {
+    if (one.status != "completed") return fmt::format("{:>13}", one.status);
+    if (is_level) {
+        const auto level = std::ranges::find(one.found.levels, name, &ResponseFindings::Level::name);
+        return level == one.found.levels.end() ? fmt::format("{:>13}", "-")
+                                               : fmt::format("{:>13.6g} {}", level->rms, level->unit);
+    }
+    const auto largest = std::ranges::find(one.found.largest, name, &ResponseFindings::Largest::name);
+    return largest == one.found.largest.end()
+               ? fmt::format("{:>13}", "-")
+               : fmt::format("{:>13.6g} {:<9} {:.6g}", largest->size, largest->unit, largest->frequency);
 }
 
 /// A line per curve and case, so that the cases of a curve stand below each other; of many the first.
 void print_responses(const std::vector<RespondedCase>& cases) {
     constexpr size_t kMostLines = 60;
-    const auto first = std::ranges::find(cases, "completed", &RespondedCase::status);
-    if (first == cases.end()) return;
+    const std::vector<std::string> curves = names_of(cases, &ResponseFindings::largest);
+    const std::vector<std::string> levels = names_of(cases, &ResponseFindings::levels);
     std::string head = fmt::format("{:<11}", "case");
     for (const auto& [name, value] : cases.front().values) head += fmt::format(" {:>13}", name);
     size_t lines = 0;
-    const size_t curves = first->found.largest.size(), levels = first->found.levels.size();
-    for (size_t c = 0; c < curves + levels; ++c) {
-        const std::string& name = c < curves ? first->found.largest[c].name : first->found.levels[c - curves].name;
+    for (size_t c = 0; c < curves.size() + levels.size(); ++c) {
+        const bool is_level = c >= curves.size();
+        const std::string& name = is_level ? levels[c - curves.size()] : curves[c];
         if (lines + cases.size() > kMostLines && c > 0) {
-            fmt::print("and {} more curves in sweep.csv\n", curves + levels - c);
+            fmt::print("and {} more curves in sweep.csv\n", curves.size() + levels.size() - c);
             return;
         }
-        fmt::print("{} of {}\n{} {:>13} {}\n", c < curves ? "largest" : "RMS", name, head, "value",
-                   c < curves ? "         at [Hz]" : "");
+        fmt::print("{} of {}\n{} {:>13} {}\n", is_level ? "RMS" : "largest", name, head, "value",
+                   is_level ? "" : "         at [Hz]");
         for (size_t i = 0; i < cases.size(); ++i, ++lines) {
             std::string line = case_name(i);
             for (const auto& [parameter, value] : cases[i].values) line += fmt::format(" {:>13}", value);
-            if (cases[i].status != "completed")
-                fmt::print("{} {:>13}\n", line, cases[i].status);
-            else if (c < curves)
-                fmt::print("{} {:>13.6g} {:<9} {:.6g}\n", line, cases[i].found.largest[c].size,
-                           cases[i].found.largest[c].unit, cases[i].found.largest[c].frequency);
-            else
-                fmt::print("{} {:>13.6g} {}\n", line, cases[i].found.levels[c - curves].rms,
-                           cases[i].found.levels[c - curves].unit);
+            fmt::print("{} {}\n", line, describe_response(cases[i], name, is_level));
         }
     }
 }

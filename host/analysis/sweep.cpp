@@ -90,37 +90,33 @@ bool reuse(Case& one, const Model& model, const Request& request) {
     return true;
 }
 
-/// Figures of sweep.csv behind case, parameters, status, reason and warnings: owner, quantity, axis and statistic.
-struct Figure {
-    const char* section;
-    std::string owner, quantity, axis, statistic;
-};
-
-std::vector<Figure> result_columns(const std::vector<Case>& cases, const Model& model) {
+/// Nodes and markers of a completed case that elements or loads act on.
+std::set<std::string> used_places(const Json& model) {
     std::set<std::string> used;
-    const auto note = [&](const Attachment& at) {
-        if (at.node >= 0) used.insert(model.nodes[as_size(at.node)].name);
-        if (at.body < 0 || at.marker < 0) return;
-        const Body& body = model.bodies[as_size(at.body)];
-        used.insert(body.name + "." + body.markers[as_size(at.marker)].name);
-    };
-    for (const Element& element : model.elements)
-        for (const Attachment& end : element.ends) note(end);
-    for (const Load& load : model.loads) note(load.on);
-
-    std::vector<Figure> columns;
-    const auto first = std::find_if(cases.begin(), cases.end(), [](const Case& one) { return one.status == "completed"; });
-    if (first == cases.end()) return columns;
-    for (const auto& [owner, quantities] : first->summary["elements"].items()) {
-        if (!quantities.contains("force")) continue;
-        for (const auto& [axis, numbers] : quantities.at("force").items())
-            for (const char* statistic : {"peak", "final"}) columns.push_back({"elements", owner, "force", axis, statistic});
+    for (const auto& [name, element] : model.at("elements").items()) {
+        if (element.contains("at")) used.insert(element["at"].begin(), element["at"].end());
+        for (const char* end : {"from", "to"})
+            if (element.contains(end)) used.insert(element[end].get<std::string>());
     }
-    for (const auto& [owner, quantities] : first->summary["accelerations"].items())
-        if (used.contains(owner))
-            for (const auto& [axis, numbers] : quantities["acceleration"].items())
-                columns.push_back({"accelerations", owner, "acceleration", axis, "peak"});
-    return columns;
+    for (const Json& load : model.at("loads")) used.insert(load.at("on").get<std::string>());
+    for (const auto& [name, body] : model.at("bodies").items()) used.erase(name);
+    return used;
+}
+
+/// Cells of sweep.csv behind status, reason and warnings: forces of elements, accelerations of the places used.
+void add_results(const Json& summary, std::vector<SweepCell>& cells) {
+    const auto add = [&](const std::string& owner, const Json& quantities, const char* quantity, const char* unit,
+                         std::initializer_list<const char*> statistics) {
+        for (const auto& [axis, numbers] : quantities.at(quantity).items())
+            for (const char* statistic : statistics)
+                cells.push_back({{fmt::format("{}.{}.{}.{}", owner, quantity, axis, statistic), unit},
+                                 numbers.at(statistic).get<double>()});
+    };
+    for (const auto& [owner, quantities] : summary.at("elements").items())
+        if (quantities.contains("force")) add(owner, quantities, "force", "N", {"peak", "final"});
+    const std::set<std::string> used = used_places(summary.at("model"));
+    for (const auto& [owner, quantities] : summary.at("accelerations").items())
+        if (used.contains(owner)) add(owner, quantities, "acceleration", "m/s^2", {"peak"});
 }
 
 /// Number of warnings of a case as text; empty where it left no summary.
@@ -150,43 +146,43 @@ std::vector<Parameter> parameters_of(const Case& one) {
     return parameters;
 }
 
-std::string sweep_table(const std::vector<Case>& cases, const Model& model, const std::vector<Parameter>& parameters) {
-    const std::vector<Figure> columns = result_columns(cases, model);
-    std::vector<Column> heads = {{"status", ""}, {"reason", ""}, {"warnings", ""}};
-    for (const Figure& c : columns)
-        heads.push_back({fmt::format("{}.{}.{}.{}", c.owner, c.quantity, c.axis, c.statistic),
-                         std::string_view(c.quantity) == "force" ? "N" : "m/s^2"});
+std::string sweep_table(const std::vector<Case>& cases, const std::vector<Parameter>& parameters) {
     std::vector<SweepRow> rows;
     for (const Case& one : cases) {
-        rows.push_back({parameters_of(one), {one.status, one.reason, count_warnings(one)}});
-        if (one.status != "completed") continue;
-        for (const Figure& c : columns)
-            rows.back().cells.emplace_back(
-                one.summary.at(c.section).at(c.owner).at(c.quantity).at(c.axis).at(c.statistic).get<double>());
+        SweepRow& row = rows.emplace_back(SweepRow{parameters_of(one), {}});
+        row.cells = {{{"status", ""}, one.status}, {{"reason", ""}, one.reason}, {{"warnings", ""}, count_warnings(one)}};
+        if (one.status == "completed") add_results(one.summary, row.cells);
     }
-    return make_sweep_table(parameters, heads, rows);
+    return make_sweep_table(parameters, rows);
 }
 
-/// Largest of the peaks of an element's directions in a case [N]; NaN where it did not complete.
+/// Whether a case completed and has this element, with a force.
+bool has_force(const Case& one, const std::string& element) {
+    if (one.status != "completed") return false;
+    const Json& all = one.summary.at("elements");
+    return all.contains(element) && all.at(element).contains("force");
+}
+
+/// Largest of the peaks of an element's directions in a case [N].
 double peak_force(const Case& one, const std::string& element) {
-    if (one.status != "completed") return std::numeric_limits<double>::quiet_NaN();
     double peak = 0;
     for (const auto& [axis, numbers] : one.summary.at("elements").at(element).at("force").items())
         peak = std::max(peak, numbers["peak"].get<double>());
     return peak;
 }
 
-/// Elements that have a force, unlike masses: by the first case that completed; if none did, all.
+/// Elements that have a force, unlike masses: of all cases that completed; if none did, all elements of the file.
 std::vector<std::string> elements_with_forces(const std::vector<Case>& cases, const Model& model) {
-    const auto first = std::ranges::find(cases, "completed", &Case::status);
     std::vector<std::string> names;
-    for (const Element& element : model.elements) {
-        if (first != cases.end()) {
-            const Json& all = first->summary.at("elements");
-            if (!all.contains(element.name) || !all.at(element.name).contains("force")) continue;
-        }
-        names.push_back(element.name);
+    for (const Case& one : cases) {
+        if (one.status != "completed") continue;
+        std::vector<std::string> own;
+        for (const auto& [name, quantities] : one.summary.at("elements").items())
+            if (quantities.contains("force")) own.push_back(name);
+        merge_names(names, own);
     }
+    if (std::ranges::find(cases, "completed", &Case::status) == cases.end())
+        for (const Element& element : model.elements) names.push_back(element.name);
     return names;
 }
 
@@ -202,8 +198,10 @@ void print_table(const std::vector<Case>& cases, const Model& model) {
         lines.push_back({std::to_string(i + 1)});
         for (const auto& [name, value] : cases[i].parameters) lines.back().push_back(value);
         for (size_t e = 0; e < elements; ++e) {
-            const double peak = peak_force(cases[i], names[e]);
-            lines.back().push_back(std::isnan(peak) ? cases[i].status : fmt::format("{:.5g}", peak));
+            const char* none = "-";
+            lines.back().push_back(has_force(cases[i], names[e])    ? fmt::format("{:.5g}", peak_force(cases[i], names[e]))
+                                   : cases[i].status == "completed" ? none
+                                                                    : cases[i].status);
         }
     }
     std::vector<size_t> width(lines.front().size());
@@ -278,7 +276,7 @@ ExitCode run_sweep(const Request& request, const std::vector<SweepAxis>& axes) {
         },
         [&] { progress.update(static_cast<double>(done), static_cast<double>(cases.size()), "cases"); });
 
-    write_atomically(folder.file("sweep.csv"), sweep_table(cases, model, parameters));
+    write_atomically(folder.file("sweep.csv"), sweep_table(cases, parameters));
     print_failures(cases);
     tell_of_earlier_cases(folder.path(), cases.size());
     const auto count = [&](const char* status) {

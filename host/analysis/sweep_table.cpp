@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "model/error.h"
+#include "model/index.h"
 #include "model/wording.h"
 #include "record/csv_table.h"
 #include "record/tell.h"
@@ -39,12 +40,34 @@ void tell_of_earlier_cases(const std::filesystem::path& folder, size_t count) {
                          case_name(count)));
 }
 
-std::string make_sweep_table(const std::vector<Parameter>& parameters, const std::vector<Column>& columns,
-                             const std::vector<SweepRow>& rows) {
+void merge_names(std::vector<std::string>& all, const std::vector<std::string>& own) {
+    size_t next = 0;  // behind the name before
+    for (const std::string& name : own) {
+        if (next < all.size() && all[next] == name) {  // most cases have the names of the case before
+            ++next;
+            continue;
+        }
+        auto at = std::ranges::find(all, name);
+        if (at == all.end()) at = all.insert(all.begin() + as_row(next), name);
+        next = as_size(at - all.begin()) + 1;
+    }
+}
+
+std::string make_sweep_table(const std::vector<Parameter>& parameters, const std::vector<SweepRow>& rows) {
+    std::vector<std::string> names;
+    std::unordered_map<std::string_view, std::string_view> units;
+    for (const SweepRow& row : rows) {
+        std::vector<std::string> own;
+        for (const SweepCell& cell : row.cells) {
+            own.push_back(cell.column.name);
+            units.emplace(cell.column.name, cell.column.unit);
+        }
+        merge_names(names, own);
+    }
     std::vector<Column> heads = {{"case", ""}};
     // The result of an expression has no unit of its own: it is a plain number in SI
     for (const Parameter& parameter : parameters) heads.push_back({parameter.name, parameter.unit});
-    heads.insert(heads.end(), columns.begin(), columns.end());
+    for (const std::string& name : names) heads.push_back({name, std::string(units.at(name))});
     CsvTable table(heads);
     for (size_t r = 0; r < rows.size(); ++r) {
         table.add(case_name(r));
@@ -54,7 +77,15 @@ std::string make_sweep_table(const std::vector<Parameter>& parameters, const std
             const auto found = values.find(parameter.name);
             table.add(found == values.end() ? std::nan("") : found->second);
         }
-        for (const auto& cell : rows[r].cells) std::visit([&](const auto& field) { table.add(field); }, cell);
+        std::unordered_map<std::string_view, const SweepCell*> cells;
+        for (const SweepCell& cell : rows[r].cells) cells.emplace(cell.column.name, &cell);
+        for (const std::string& name : names) {
+            const auto found = cells.find(name);
+            if (found == cells.end())
+                table.add(std::nan(""));
+            else
+                std::visit([&](const auto& field) { table.add(field); }, found->second->value);
+        }
         table.end_row();
     }
     return table.text();

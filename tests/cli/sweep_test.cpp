@@ -262,5 +262,135 @@ TEST_F(Sweep, EveryOptionReachesItsCases) {
     EXPECT_THAT(run_dttmm(folder_.path(), words).out, HasSubstr("(0 of them reused)"));
 }
 
+/// n masses on springs from the ground, with a spring from each to the next.
+constexpr const char* kRow = R"(format = "dttmm/1"
+[parameters]
+n = 3
+[simulation]
+duration = "20 ms"
+step = "1 ms"
+[[repeat]]
+index = "i"
+count = "=n"
+[[repeat.body]]
+name = "b{i}"
+mass = "=1+i"
+inertia = [0.1, 0.2, 0.15]
+markers.top = [0, 0, 0.05]
+position = ["=0.3*i", "=0.1*i*i", 0.05]
+[[repeat.element]]
+name = "s{i}"
+type = "spring_damper"
+from = "ground"
+to = "b{i}.top"
+stiffness = 2e4
+rotational_stiffness = "=1000*i"
+[[repeat.load]]
+on = "b{i}"
+direction = [1, 2, 3]
+force = "=10*sin(300*t)*i"
+[[repeat]]
+index = "i"
+count = "=n-1"
+[[repeat.element]]
+name = "t{i}"
+type = "spring_damper"
+from = "b{i}"
+to = "b{i+1}"
+stiffness = "=2e4/i"
+)";
+
+/// Cells of sweep.csv by column, of the row of a case counted from 1.
+std::map<std::string, std::string> cells_of_case(const std::vector<std::string>& table, size_t number) {
+    const auto split = [](const std::string& line) {
+        std::vector<std::string> cells(1);
+        for (const char c : line)
+            if (c == ',')
+                cells.emplace_back();
+            else
+                cells.back() += c;
+        return cells;
+    };
+    const std::vector<std::string> names = split(table.at(0)), cells = split(table.at(number + 1));
+    EXPECT_EQ(names.size(), cells.size());
+    std::map<std::string, std::string> row;
+    for (size_t c = 0; c < std::min(names.size(), cells.size()); ++c) row[names[c]] = cells[c];
+    return row;
+}
+
+// Oracle: a run of each case by itself: its summary has the same forces. Whichever case comes first, the columns are those
+// of the largest, in its order, and a case leaves empty what it does not have.
+TEST_F(Sweep, CasesMayHaveDifferentElements) {
+    write_text(folder_ / "model.toml", kRow);
+    ASSERT_EQ(run_dttmm(folder_.path(), {"run", "model.toml", "-o", "alone", "--set", "n=4"}).code, 0);
+    const nlohmann::json alone = read_json(folder_ / "alone/summary.json");
+    std::string heads;
+    for (const auto& [axis, largest] : {std::pair{"n=4,3,2", 1u}, {"n=2..4:3", 3u}}) {
+        fs::remove_all(folder_ / "out");
+        const Ended ended = sweep({axis});
+        ASSERT_EQ(ended.code, 0) << ended.err;
+        EXPECT_THAT(ended.out, AllOf(HasSubstr("s4 [N]"), HasSubstr("t3 [N]"), HasSubstr("  -")));
+        if (heads.empty()) heads = table()[0];
+        EXPECT_EQ(table()[0], heads);
+        EXPECT_THAT(table()[0],
+                    AllOf(HasSubstr("s4.force.z.final,t1.force.x.peak"), HasSubstr("b3.top.acceleration.z.peak,"
+                                                                                   "b4.top.acceleration.x.peak")));
+        const auto all = cells_of_case(table(), largest), fewest = cells_of_case(table(), 4 - largest);
+        EXPECT_EQ(all.at("n"), "4");
+        for (const char* name : {"s1", "s3", "s4", "t2", "t3"})
+            EXPECT_EQ(std::stod(all.at(std::string(name) + ".force.y.final")),
+                      alone["elements"][name]["force"]["y"]["final"]);
+        for (const char* name : {"s3.force.x.peak", "s4.force.z.final", "t2.force.x.peak", "b3.top.acceleration.x.peak"})
+            EXPECT_EQ(fewest.at(name), "") << name;
+        EXPECT_NE(fewest.at("s2.force.x.peak"), "");
+        EXPECT_NE(cells_of_case(table(), 2).at("s3.force.x.peak"), "");
+        EXPECT_EQ(cells_of_case(table(), 2).at("s4.force.x.peak"), "");
+    }
+}
+
+// Oracle: a response of each case by itself: its curves.
+TEST_F(Sweep, ResponsesOfDifferentMachines) {
+    std::string text = kRow;
+    const std::string force = "force = \"=10*sin(300*t)*i\"";
+    write_text(folder_ / "model.toml", text.replace(text.find(force), force.size(), "harmonic = { amplitude = \"=10*i\" }"));
+    for (const auto& [axis, largest] : {std::pair{"n=4,2", 1u}, {"n=2,4", 2u}}) {
+        const Ended ended = run_dttmm(folder_.path(), {"response", "model.toml", "-o", "out", "--from", "1Hz", "--to",
+                                                       "60Hz", "--out", "b*.position.x", "--points", "7", "--sweep", axis});
+        ASSERT_EQ(ended.code, 0) << ended.err;
+        EXPECT_THAT(ended.out, HasSubstr("b4.position.x"));
+        const auto all = cells_of_case(table(), largest), fewest = cells_of_case(table(), 3 - largest);
+        for (const char* body : {"b1", "b2", "b3", "b4"}) {
+            const std::string name = std::string(body) + ".position.x.largest";
+            ASSERT_TRUE(all.contains(name)) << table()[0];
+            EXPECT_NE(all.at(name), "");
+            EXPECT_EQ(fewest.at(name) == "", body[1] > '2') << name;
+        }
+    }
+}
+
+// Oracle: masses that are not connected: the modes of a mass are the same in every case, and no mode of b1 or b2 goes on as
+// one of b3, which only the second case has.
+TEST_F(Sweep, ModesOfDifferentMachines) {
+    std::string text = kRow;
+    text.erase(text.rfind("[[repeat]]"));
+    write_text(folder_ / "model.toml", text);
+    for (const auto& [axis, largest] : {std::pair{"n=3,2", 1u}, {"n=2,3", 2u}}) {
+        const Ended ended =
+            run_dttmm(folder_.path(), {"modes", "model.toml", "-o", "out", "--count", "18", "--sweep", axis, "-q"});
+        ASSERT_EQ(ended.code, 0) << ended.err;
+        const auto more = cells_of_case(table(), largest), fewer = cells_of_case(table(), 3 - largest);
+        size_t followed = 0;
+        for (int k = 1; k <= 18; ++k) {
+            const std::string curve = "curve" + std::to_string(k);
+            ASSERT_TRUE(more.contains(curve)) << table()[0];
+            if (fewer.at(curve) == "") continue;
+            ++followed;
+            EXPECT_NEAR(std::stod(fewer.at(curve)), std::stod(more.at(curve)), 1e-6 * std::stod(fewer.at(curve))) << curve;
+        }
+        EXPECT_EQ(followed, 12u);
+        EXPECT_THAT(ended.err, testing::Not(HasSubstr("likeness")));
+    }
+}
+
 }  // namespace
 }  // namespace dttmm::host

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/random/sobol.hpp>
+#include <cmath>
+#include <numbers>
 #include <numeric>
 #include <random>
 #include <vector>
@@ -136,11 +138,14 @@ Eigen::MatrixXd make_probabilities(Design design, Eigen::Index cases, Eigen::Ind
 }
 
 void correlate(Eigen::MatrixXd& probabilities, const Eigen::MatrixXd& correlation) {
-    const Eigen::LLT<Eigen::MatrixXd> factor(correlation);
+    // Normal scores of correlation r have ranks of correlation 6/π asin(r/2)
+    Eigen::MatrixXd of_scores = correlation.unaryExpr([](double rank) { return 2 * std::sin(std::numbers::pi / 6 * rank); });
+    of_scores.diagonal().setOnes();  // 2 sin(π/6) but for rounding
+    const Eigen::LLT<Eigen::MatrixXd> factor(of_scores);
     if (factor.info() != Eigen::Success)
         throw Error(ExitCode::usage,
-                    "--correlate: these correlations contradict each other: their matrix is not positive "
-                    "definite; make them smaller");
+                    "--correlate: these correlations contradict each other: their matrix, taken for normal scores, is not "
+                    "positive definite; make them smaller");
     const boost::math::normal standard;
     Eigen::MatrixXd scores = probabilities.unaryExpr([&](double u) { return boost::math::quantile(standard, u); });
     scores *= factor.matrixL().transpose();

@@ -31,10 +31,11 @@ Eigen::Index block_size(Design design, Eigen::Index parameters);
 /// (2010), Computer Physics Communications 181, 259–270.
 Eigen::MatrixXd make_probabilities(Design design, Eigen::Index cases, Eigen::Index parameters, std::uint64_t seed);
 
-/// Reorders each column so that the ranks of the columns are correlated as `correlation` says, and each keeps its numbers:
-/// by the normal scores of the columns, mixed by the factor of `correlation` (Gaussian copula). Source: Iman and Conover
-/// (1982), Communications in Statistics, Simulation and Computation 11, 311–334. Throws Error(usage) where `correlation` is
-/// not positive definite: its numbers contradict each other.
+/// Reorders each column so that the ranks of the columns are correlated as `correlation` says (Spearman's coefficient), and
+/// each keeps its numbers: by the normal scores of the columns, mixed by the factor of their correlation 2 sin(π ρ/6)
+/// (Gaussian copula). Sources: Iman and Conover (1982), Communications in Statistics, Simulation and Computation 11,
+/// 311–334; Pearson (1907), On Further Methods of Determining Correlation. Throws Error(usage) where the matrix of the
+/// normal scores is not positive definite: the numbers contradict each other.
 void correlate(Eigen::MatrixXd& probabilities, const Eigen::MatrixXd& correlation);
 
 }  // namespace dttmm::host

@@ -182,13 +182,17 @@ Section make_section(std::span<const double, kSectionValueCount> values, BeamThe
     section.offset_y = given.offset_y;
     section.offset_z = given.offset_z;
     const double shifted = section.mass * (given.offset_y * given.offset_y + given.offset_z * given.offset_z);
+    // Units, squares, sum and product round the bound by an eps each at most
+    constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
     if (!is_given(given.inertia))
         section.inertia += shifted;  // that of a shape, or of EI/EA, is about its own centre
-    else if (section.inertia < shifted)
+    else if (section.inertia < shifted * (1 - kRounding))
         refuse(
             fmt::format("section.inertia is that about the elastic axis: with this mass_offset it is at least mass times "
                         "offset squared, {:.4g} kg m",
                         shifted));
+    else
+        section.inertia = std::max(section.inertia, shifted);
     return section;
 }
 

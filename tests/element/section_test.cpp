@@ -229,6 +229,15 @@ TEST(Section, AMassOffsetShiftsTheInertiaThatIsNotGiven) {
     EXPECT_EQ(section_of(own).inertia, 0.0123);
 }
 
+// Oracle: 5 kg/m at sqrt(0.05² + 0.02²) m have 0.0145 kg m, which is the least. In doubles the product is larger than the
+// number 0.0145 by its last digit. A billionth less is less by more than rounding.
+TEST(Section, TheLeastInertiaOfAMassOffsetIsTaken) {
+    const Given line = with(kStiffnesses, {{"section.mass", {5}}, {"section.mass_offset", {0.05, 0.02}}});
+    ASSERT_LT(0.0145, 5 * (0.05 * 0.05 + 0.02 * 0.02));
+    EXPECT_DOUBLE_EQ(section_of(with(line, {{"section.inertia", {0.0145}}})).inertia, 0.0145);
+    EXPECT_THROW(section_of(with(line, {{"section.inertia", {0.0145 * (1 - 1e-9)}}})), Error);
+}
+
 // ---- What is refused ----------------------------------------------------------------------------------------------------
 
 TEST(Section, RefusalsNameTheKey) {

@@ -131,6 +131,8 @@ void check_rest(const TableReader& file, const Model& model) {
 
 void read_contents(const TableReader& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides,
                    Model& model) {
+    // A file that is not included, or a pattern of a wrong count, may have the bodies
+    const bool has_all_tables = !file.context().diagnostics.has_errors();
     NameRegistry body_names("body"), node_names("node"), element_names("element");
     model.title = file.text("title", "").value_or("");
     const bool has_histories = overrides.purpose == Purpose::histories;
@@ -150,7 +152,7 @@ void read_contents(const TableReader& file, const ElementCatalogue& catalogue, c
                    "[damping] acts in modes --damped, frf and response only; a run wants damping of elements: of a spring "
                    "that a mode of frequency f strains most, damping = zeta k/(pi f)");
     if (overrides.purpose != Purpose::modes) check_dofs(file);
-    check_bodies(file, model);
+    if (has_all_tables) check_bodies(file, model);
     const Attachments attachments(model.bodies, model.nodes);
     // An element may be called like the node it stands at: forces are the one's, motions the other's
     model.elements = read_elements(file, catalogue, attachments, {&body_names}, element_names, model.nodes);

@@ -152,6 +152,17 @@ std::string repeat_fault(const std::string& keys, const std::string& name = "b{i
                                 "\"\nto = \"plate.a\"\nstiffness = 1\n" + kSpring + "[parameters]\nn = 3\n"));
 }
 
+// Oracle: the file has bodies; how many is what is wrong. That the file has no body would be a second fault.
+TEST(Patterns, AWrongCountOfBodiesIsOneFault) {
+    const auto faults = [](const std::string& count) {
+        return errors_of(
+            "format = \"dttmm/1\"\n[simulation]\nduration = 1\nstep = \"1 ms\"\n[[repeat]]\nindex = \"i\"\ncount = " +
+            count + "\n[[repeat.body]]\nname = \"b{i}\"\nmass = 1\ninertia = [1, 1, 1]\n");
+    };
+    EXPECT_EQ(faults("2.5"), "m.toml:7:9: repeat: count must be a whole number, got 2.5");
+    EXPECT_THAT(faults("\"=n\""), testing::Not(HasSubstr("no body")));
+}
+
 // Oracle: the place, the rule and the cure in the message.
 TEST(Patterns, FaultsOfTheIndexPointAtItsKeys) {
     EXPECT_THAT(repeat_fault("count = 2"), HasSubstr("m.toml:12:1: repeat: missing key \"index\""));

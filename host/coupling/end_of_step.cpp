@@ -14,6 +14,7 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
     : equations_(model, networks),
       convergence_(model, networks, equations_.joint_system()),
       joints_(model.joints),
+      have_loop_(form_loop(model.joints)),
       stops_(model.joints.size()),
       stops_before_(model.joints.size()),
       wrenches_(6 * model.bodies.size()) {
@@ -202,9 +203,9 @@ void EndOfStep::confirm(const std::vector<BodyState>& after) const {
         }
 }
 
-/// What a message advises: near a singular position of the joints, or otherwise.
+/// What a message advises: near a singular position of joints in a loop, or otherwise.
 const char* EndOfStep::cure(const char* otherwise) const {
-    return singular_.is_near()
+    return singular_.lets_go() || (singular_.is_near() && have_loop_)
                ? "the joints are near a singular position; an element in place of one joint of the loop passes it"
                : otherwise;
 }

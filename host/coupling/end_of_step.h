@@ -92,6 +92,7 @@ private:
     StepConvergence convergence_;
     SingularPosition singular_;
     std::vector<Joint> joints_;
+    bool have_loop_;
     std::vector<Stop> stops_;              ///< that act over the open step
     std::vector<Stop> stops_before_;       ///< that acted over the step before
     bool may_leave_stops_ = true;          ///< over the open step

@@ -4,6 +4,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "model/index.h"
@@ -43,6 +44,20 @@ Eigen::MatrixXd jacobian(const std::vector<JointEquations>& joints, const std::v
 
 }  // namespace
 
+bool form_loop(const std::vector<Joint>& joints) {
+    std::map<int, int> towards;  // the root of a tree of bodies; roots have none. The ground is −1
+    const auto root = [&](int body) {
+        for (auto next = towards.find(body); next != towards.end(); next = towards.find(body)) body = next->second;
+        return body;
+    };
+    for (const Joint& joint : joints) {
+        const int one = root(joint.first), other = root(joint.second);
+        if (one == other) return true;
+        towards[one] = other;
+    }
+    return false;
+}
+
 void SingularPosition::open() { before_ = std::exchange(found_, {}); }
 
 bool SingularPosition::is_suspected(const JointSystem& joints, const BlockMatrix& matrix, const BlockFactor& factor) {
@@ -68,8 +83,11 @@ void SingularPosition::find(const JointSystem& joints, const std::vector<BodySta
                             const std::vector<BodyState>& end) {
     found_ = decide(joints.joints(), now, half, end);
     // ODE's joints are not ours where they stand open: the step that closes them does without
-    const bool is_open = std::ranges::any_of(before_.let_go, [](unsigned equations) { return equations != 0; });
-    if (is_open && found_.let_go.empty()) found_.let_go.assign(joints.joints().size(), 0);
+    if (before_.lets_go() && found_.let_go.empty()) found_.let_go.assign(joints.joints().size(), 0);
+}
+
+bool SingularPosition::Found::lets_go() const {
+    return std::ranges::any_of(let_go, [](unsigned equations) { return equations != 0; });
 }
 
 void SingularPosition::count(double time) {

@@ -3,12 +3,16 @@
 
 #include <vector>
 
+#include "model/model.h"
 #include "world/block_factor.h"
 #include "world/block_matrix.h"
 #include "world/body_state.h"
 #include "world/joint_system.h"
 
 namespace dttmm::host {
+
+/// Whether joints close a loop of bodies, the ground among them. Only then can their equations depend on each other.
+bool form_loop(const std::vector<Joint>& joints);
 
 /// Finds the steps in which a linkage passes a singular position. The linkage has one free motion more there: a combination
 /// of equations w obeys wᵀ J = σ dᵀ, and σ passes through zero. With σ₀, σ₁ at the ends of a step and σ half way, a pass of
@@ -30,10 +34,11 @@ public:
     /// Counts the step from `time` [s] if it goes without equations.
     void count(double time);
 
-    /// The matrix is to be taken half way.
+    /// The matrix is to be taken half way. Joints that turn by more than 0.3 rad in the step are near at any place.
     bool is_near() const { return found_.is_near; }
     /// Equations that the step goes without; empty: ODE's joints hold.
     const LetGo& let_go() const { return found_.let_go; }
+    bool lets_go() const { return found_.lets_go(); }
     /// σ of the equations kept, over their length: rounding of poses moves the bodies by its inverse.
     double least() const { return found_.least; }
 
@@ -50,6 +55,7 @@ private:
         bool is_near = false;
         LetGo let_go;
         double least = 1;
+        bool lets_go() const;
     };
     static Found decide(const std::vector<JointEquations>& joints, const std::vector<BodyState>& now,
                         const std::vector<BodyState>& half, const std::vector<BodyState>& end);

@@ -536,5 +536,51 @@ axis = [1, 0, 0]
     EXPECT_TRUE(refuses(1.25e-8));
 }
 
+// Oracle: a single hinge has no singular position, and there is no other joint to replace. The spring is too stiff for the
+// step, and the body turns by some tenths of a radian in the step that fails: so far joints count as near.
+TEST(EndOfStep, AFailureOfOneHingeAdvisesASmallerStep) {
+    const Plugins plugins;
+    const Model model = parse_model(R"toml(
+format = "dttmm/1"
+[simulation]
+duration = 0.6
+step = 0.003
+[nodes]
+n = { position = [0.3, 0.1, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+[[body]]
+name = "b"
+mass = 10
+inertia = [0.04, 0.03, 0.05]
+position = [0.1, 0, 0]
+angular_velocity = [0, 0, 50]
+velocity = [0, 5, 0]
+markers.s = [0.05, 0, 0]
+[[joint]]
+name = "j"
+type = "hinge"
+between = ["ground", "b"]
+anchor = [0, 0, 0]
+axis = [0, 0, 1]
+[[element]]
+name = "a"
+type = "axial_spring"
+from = "n"
+to = "b.s"
+natural_length = 0.2
+stiffness = 2000
+law = "cubic"
+cubic = 3e10
+)toml",
+                                    "hinge.toml", plugins.catalogue());
+    Simulation simulation(model, plugins);
+    try {
+        for (int n = 0; n < 200; ++n) simulation.step();
+        FAIL() << "the step is small enough";
+    } catch (const Error& error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr("the end of the step was not found"));
+        EXPECT_THAT(error.what(), testing::EndsWith("; try a smaller step"));
+    }
+}
+
 }  // namespace
 }  // namespace dttmm::host

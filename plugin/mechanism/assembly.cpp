@@ -243,6 +243,13 @@ private:
         for (LineSpec& line : assembly_.lines) {
             line.from = frame_of[as_size(line.from)];
             line.to = frame_of[as_size(line.to)];
+            if (line.from == line.to && !is_ground(line.from)) {
+                if (!line.line.stretches_only) continue;  // its own mass bends it
+                throw Error(DTTMM_ERROR_MODEL,
+                            "both ends are on the same rigid body: only its own mass would stretch it; leave it out, or put "
+                            "a probe on it",
+                            line.element);
+            }
             check_ends(line.from, line.to, {}, line.element);
         }
     }
@@ -273,9 +280,10 @@ private:
         return frame;
     }
 
+    bool is_ground(int frame) const { return assembly_.frames[as_size(frame)].kind == FrameSpec::Kind::ground; }
+
     void check_ends(int from, int to, Directions rigid, int element) const {
         if (from == to) throw Error(DTTMM_ERROR_MODEL, "both ends are on the same rigid body: nothing can deform", element);
-        const auto is_ground = [&](int frame) { return assembly_.frames[as_size(frame)].kind == FrameSpec::Kind::ground; };
         if (is_ground(from) && is_ground(to)) throw Error(DTTMM_ERROR_MODEL, "both ends are on the ground", element);
         const bool is_driven = from < assembly_.driven_count && to < assembly_.driven_count;
         if (is_driven && rigid.any() && waves_ == Waves::lumped)

@@ -250,13 +250,15 @@ void FrequencyAssembly::add_lines(const std::vector<LineSpec>& specs) {
     }
 }
 
-/// forces: at rest. Where they are not uniform the line is cut.
+/// forces: at rest. Where they are not uniform the line is cut. So is a line between two points of one frame: what it does
+/// is seen at the point between, and links join different frames.
 void FrequencyAssembly::add_line(const LineSpec& spec, int from, int to, const std::optional<LineForces>& forces) {
     const bool is_bar = spec.line.stretches_only;
-    const int segments = !forces || is_bar ? 1 : forces->pieces(spec.line.section);
+    const int by_forces = !forces || is_bar ? 1 : forces->pieces(spec.line.section),
+              segments = from == to ? std::max(2, by_forces) : by_forces;
     const double axial = forces ? forces->mean_force().x() : 0, step = (spec.finish - spec.start).norm() / segments;
     const size_t kind = find_kind(spec, step, axial);
-    const LineShapes shapes = segments > 1 ? model_.kinds[kind]->static_shapes() : LineShapes{};
+    const LineShapes shapes = forces && segments > 1 ? model_.kinds[kind]->static_shapes() : LineShapes{};
     int last = from;
     for (int i = 0; i < segments; ++i) {
         const auto point = [&](int k) { return Vector3(spec.start + double(k) / segments * (spec.finish - spec.start)); };
@@ -267,7 +269,7 @@ void FrequencyAssembly::add_line(const LineSpec& spec, int from, int to, const s
         }
         model_.lines.push_back({spec.element, last, next, point(i), point(i + 1), spec.line.axes, spec.line, kind,
                                 model_.kinds[kind].get(), axial});
-        if (segments > 1) {
+        if (forces && segments > 1) {
             resting_->add_deviation(model_.lines.back(), *forces, i * step, shapes);
             model_.lines.back().deviation = as_int(model_.bonds.size()) - 1;
         }

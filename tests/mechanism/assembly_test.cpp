@@ -335,6 +335,16 @@ TEST(Assembly, JointsThatCannotWorkAreNamed) {
     EXPECT_NO_THROW(d.assembled());
     d.element("d", "spring_damper", {3, 2}, kSpring);
     expect_refusal(d, DTTMM_ERROR_MODEL, 4, "both ends are on the same rigid body: nothing can deform");
+    for (const char* type : {"beam", "rod"}) {
+        d = good();
+        d.element("body", "rigid_body", {2, 3}, kBody);
+        d.element("d", type, {3, 2}, kBeam);
+        const dttmm_network network = d.network();
+        if (std::string_view(type) == "beam")
+            EXPECT_NO_THROW(assemble(network, Waves::exact)) << "its own mass bends it";
+        else
+            EXPECT_THROW(assemble(network, Waves::exact), Error);
+    }
 
     expect_refusal(more("spring_damper", {1, 3}, kSpring, 0x3f), DTTMM_ERROR_MODEL, 2, "both ends are on the ground");
     d = good();

@@ -689,5 +689,56 @@ TEST(ModalAnalysis, ARodInALoopIsTheSameInMorePieces) {
     for (size_t m = 0; m < 4; ++m) EXPECT_NEAR(divided[m].frequency, whole[m].frequency, 1e-9 * whole[m].frequency) << m;
 }
 
+// ---- A beam between two points of one rigid body ------------------------------------------------------------------------
+
+/// A rigid body on a spring, with a beam from one of its points to another. node: on the beam at 0.3 of its length. hinge:
+/// the body has its first point only, and a hinge without freedom leads to the second.
+NetworkModel bow(bool has_node, bool has_hinge) {
+    NetworkModel network;
+    const Eigen::Vector3d a(0.3, 0.1, 0), b(-0.4, 0, 0.1);
+    network.node("ground", DTTMM_NODE_GROUND, {0, 0, 0});
+    network.node("a", DTTMM_NODE_INNER, a);
+    network.node("b", DTTMM_NODE_INNER, b);
+    if (has_node) network.node("p", DTTMM_NODE_INNER, a + 0.3 * (b - a));
+    const std::vector<std::string> ends = {"a", "b"};
+    network.element("r", "rigid_body", has_hinge ? std::vector<std::string>{"a"} : ends,
+                    {{"mass", {2}}, {"inertia.xx", {0.1}}, {"inertia.yy", {0.12}}, {"inertia.zz", {0.15}}});
+    network.element("s", "spring_damper", {"ground", "a"},
+                    {{"stiffness", {1e4, 2e4, 3e4}}, {"rotational_stiffness", {1e3, 2e3, 3e3}}});
+    const NetworkModel::Values section = {
+        {"theory", {1}},         {"up", {0.1, 0.2, 0.97}},   {"section.EA", {2e7}},  {"section.EIy", {100}},
+        {"section.EIz", {150}},  {"section.GJ", {80}},       {"section.GAy", {6e6}}, {"section.GAz", {7e6}},
+        {"section.mass", {0.6}}, {"section.inertia", {1e-4}}};
+    network.element("e", "beam", {"a", has_node ? "p" : "b"}, section);
+    if (has_node) network.element("e2", "beam", {"p", "b"}, section);
+    if (has_hinge) network.element("h", "elastic_hinge", {"a", "b"}, {});
+    return network;
+}
+
+// Oracle: the same machine with a node on its beam, and with a rigid hinge in its body. Frequencies to 1e-9; shapes at a and
+// b, and of the beam all along, to 1e-6 of the largest; responses to 1e-9.
+TEST(ModalAnalysis, ABeamBetweenTwoPointsOfOneRigidBody) {
+    Machine bare(bow(false, false)), node(bow(true, false)), hinge(bow(false, true));
+    constexpr uint32_t kCount = 14;
+    const std::vector<dttmm_mode> own = bare.find(kCount), with_node = node.find(kCount), with_hinge = hinge.find(kCount);
+    ASSERT_EQ(own.size(), kCount);
+    for (uint32_t m = 0; m < kCount; ++m) {
+        EXPECT_NEAR(own[m].frequency, with_node[m].frequency, 1e-9 * own[m].frequency) << m;
+        EXPECT_NEAR(own[m].frequency, with_hinge[m].frequency, 1e-9 * own[m].frequency) << m;
+        // The largest displacement, which is made one, is looked for at points of each piece: scales differ a little
+        const Eigen::MatrixXd shape = bare.along(m, 2, 9), other = hinge.along(m, 2, 9);
+        const double scale = shape.cwiseProduct(other).sum() / other.squaredNorm(), size = shape.cwiseAbs().maxCoeff();
+        EXPECT_NEAR(std::abs(scale), 1, 2e-3) << m;
+        EXPECT_LT((shape - scale * other).cwiseAbs().maxCoeff(), 1e-6 * size) << m;
+        EXPECT_LT((bare.shape(m) - scale * hinge.shape(m)).cwiseAbs().maxCoeff(), 1e-6 * size) << m;
+        EXPECT_NEAR(bare.shares(m)[2], node.shares(m)[2] + node.shares(m)[3], 1e-7) << m;
+    }
+    for (const double hertz : {7.0, 93.0, 800.0}) {
+        const std::complex<double> response = bare.respond(hertz, 1, 2, 2, 1);
+        EXPECT_LT(std::abs(response - node.respond(hertz, 1, 2, 2, 1)), 1e-9 * std::abs(response)) << hertz;
+        EXPECT_LT(std::abs(response - hinge.respond(hertz, 1, 2, 2, 1)), 1e-9 * std::abs(response)) << hertz;
+    }
+}
+
 }  // namespace
 }  // namespace dttmm::plugin

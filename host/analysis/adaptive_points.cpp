@@ -13,8 +13,8 @@ namespace {
 constexpr double kTolerance = 0.01;
 /// Of the largest magnitude of the curve: below it, 80 dB, a curve need not be straight.
 constexpr double kSmall = 1e-4;
-/// Of the largest magnitude of its kind: below it a curve may be rounding. Zero channels of a turned machine have 1e-12 or
-/// less.
+/// Of the largest magnitude of its kind at the same place: below it a curve may be rounding. Zero channels of a turned
+/// machine have 1e-12 or less.
 constexpr double kRoundingOfKind = 1e-7;
 /// Of a peak: parabolas through its points add points until they promise less. What is printed is the peak to twice this.
 constexpr double kPeakTolerance = 1e-5;
@@ -28,18 +28,20 @@ const AdaptivePoints::Values* AdaptivePoints::take(double x) {
     if (points_.size() >= most_ || is_asked_to_stop_()) return nullptr;
     Values values = curves_(x);
     largest_.resize(values.size());
+    std::vector<double>& sizes = sizes_[x];
     for (size_t c = 0; c < values.size(); ++c) {
-        largest_[c] = std::max(largest_[c], std::abs(values[c]));
+        const double size = std::abs(values[c]);
         const size_t kind = kinds_[c].of;
-        if (kind >= largest_of_kind_.size()) largest_of_kind_.resize(kind + 1);
-        largest_of_kind_[kind] = std::max(largest_of_kind_[kind], kinds_[c].per_unit * largest_[c]);
+        largest_[c] = std::max(largest_[c], size);
+        if (kind >= sizes.size()) sizes.resize(kind + 1);
+        sizes[kind] = std::max(sizes[kind], kinds_[c].per_unit * size);
     }
     return &points_.emplace(x, std::move(values)).first->second;
 }
 
-/// Smaller magnitudes of a curve need not be straight.
-double AdaptivePoints::floor_of(size_t c) const {
-    return std::max(kSmall * largest_[c], kRoundingOfKind * largest_of_kind_[kinds_[c].of] / kinds_[c].per_unit);
+/// Smaller magnitudes of a curve at x need not be straight.
+double AdaptivePoints::floor_of(size_t c, double x) const {
+    return std::max(kSmall * largest_[c], kRoundingOfKind * sizes_.at(x)[kinds_[c].of] / kinds_[c].per_unit);
 }
 
 /// Whether the values at x1, between x0 and x2, are where a straight line has them.
@@ -48,7 +50,7 @@ bool AdaptivePoints::is_straight(double x0, double x1, double x2) const {
     const double s = (x1 - x0) / (x2 - x0);
     for (size_t c = 0; c < v1.size(); ++c) {
         if (!kinds_[c].is_drawn) continue;
-        const double size = std::abs(v1[c]), floor = floor_of(c);
+        const double size = std::abs(v1[c]), floor = floor_of(c, x1);
         const double straight = (1 - s) * std::abs(v0[c]) + s * std::abs(v2[c]);
         if (std::max({size, std::abs(v0[c]), std::abs(v2[c])}) <= floor) continue;
         if (std::abs(straight - size) > kTolerance * std::max(size, floor)) return false;
@@ -102,12 +104,12 @@ bool AdaptivePoints::close_in(size_t c, double x) {
 /// kTolerance.
 bool AdaptivePoints::find_peaks() {
     for (size_t c = 0; c < largest_.size(); ++c) {
-        if (!kinds_[c].is_drawn || !(largest_[c] > floor_of(c))) continue;
+        if (!kinds_[c].is_drawn) continue;
         std::vector<double> tops;
         for (auto point = std::next(points_.begin()); std::next(point) != points_.end(); ++point) {
             const auto size = [&](const auto& at) { return std::abs(at->second[c]); };
-            if (size(point) >= (1 - kTolerance) * largest_[c] && size(point) > size(std::prev(point)) &&
-                size(point) >= size(std::next(point)))
+            if (size(point) >= (1 - kTolerance) * largest_[c] && size(point) > floor_of(c, point->first) &&
+                size(point) > size(std::prev(point)) && size(point) >= size(std::next(point)))
                 tops.push_back(point->first);
         }
         if (!std::ranges::all_of(tops, [&](double top) { return close_in(c, top); })) return false;

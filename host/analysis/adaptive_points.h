@@ -10,8 +10,8 @@
 namespace dttmm::host {
 
 /// Complex curves over one variable at so few points that straight lines between them are good to 1 %: magnitude to 1 % of
-/// itself and phase to 1 % of a radian, where the magnitude is more than 1e-4 of the largest of its curve and 1e-7 of the
-/// largest of its kind, of which smaller values may be rounding; and at the peaks.
+/// itself and phase to 1 % of a radian, where the magnitude is more than 1e-4 of the largest of its curve and 1e-7 of what
+/// is largest of its kind at the same place, of which smaller values may be rounding; and at the peaks.
 class AdaptivePoints {
 public:
     using Values = std::vector<std::complex<double>>;
@@ -38,7 +38,7 @@ public:
 
 private:
     const Values* take(double x);
-    double floor_of(size_t curve) const;
+    double floor_of(size_t curve, double x) const;
     bool is_straight(double x0, double x1, double x2) const;
     bool refine(std::vector<std::pair<double, double>> intervals);
     bool close_in(size_t curve, double x);
@@ -47,7 +47,8 @@ private:
     Curves curves_;
     std::vector<Kind> kinds_;
     std::map<double, Values> points_;
-    std::vector<double> largest_, largest_of_kind_, unbounded_;
+    std::map<double, std::vector<double>> sizes_;  ///< by kind, at each point
+    std::vector<double> largest_, unbounded_;
     double span_ = 0;  ///< from the first to the last point
     size_t most_ = 0;
     std::function<bool()> is_asked_to_stop_;

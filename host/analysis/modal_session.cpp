@@ -177,13 +177,13 @@ void note_directions(const Model& model, Warnings& warnings) {
     for (size_t b = 0; b < points.size(); ++b) {
         const Body& body = model.bodies[b];
         points[b].push_back(body.position + body.rotation * body.center_of_mass);
+        const double radius = std::sqrt(body.inertia.trace() / body.mass);  // of gyration: of the body's size
         for (size_t i = 0; i < 9; ++i) {
             const size_t rotation = i / 3, direction = i % 3;
             if (!kept[3 + rotation] || kept[direction] || rotation == direction) continue;
             const auto lever = static_cast<Eigen::Index>(3 - rotation - direction);
             const auto differs = [&](const Eigen::Vector3d& p) {
-                const Eigen::Vector3d arm = p - points[b][0];
-                return std::abs(arm(lever)) > 1e-9 * p.norm();
+                return std::abs((p - points[b][0])(lever)) > 1e-9 * std::max(p.norm(), radius);
             };
             if (std::ranges::none_of(points[b], differs)) continue;
             warnings.note("dofs-lever",

@@ -184,7 +184,7 @@ std::string EndOfStep::waited_for(const StepReport& report, const Networks& netw
     return report.body >= 0 ? convergence_.name_of(as_size(report.body)) : "";
 }
 
-void EndOfStep::confirm(const std::vector<BodyState>& after) const {
+EndOfStep::Otherwise EndOfStep::find_otherwise(const std::vector<BodyState>& after) const {
     for (const Joint& joint : joints_)
         for (int body : {joint.first, joint.second}) {
             if (body < 0) continue;
@@ -193,14 +193,19 @@ void EndOfStep::confirm(const std::vector<BodyState>& after) const {
             difference.head<3>() -= after[b].velocity;
             difference.tail<3>() -= after[b].angular_velocity;
             const double off = convergence_.speed(b, difference);
-            if (off <= convergence_.tolerance(b, kAgreement)) continue;
-            throw Error(
-                ExitCode::numerical_failure,
+            if (!(off <= convergence_.tolerance(b, kAgreement))) return {&joint, b, off};
+        }
+    return {};
+}
+
+void EndOfStep::confirm(const std::vector<BodyState>& after) const {
+    const Otherwise found = find_otherwise(after);
+    if (!found.joint) return;
+    throw Error(ExitCode::numerical_failure,
                 fmt::format("t = {:.9g} s: ODE's joints move body \"{}\" otherwise than predicted, by {:.1e} m/s (joint "
                             "\"{}\"); {}",
-                            open_.time, convergence_.name(b), off, joint.name,
+                            open_.time, convergence_.name(found.body), found.off, found.joint->name,
                             cure("a step too long for the turning, or very unequal masses?")));
-        }
 }
 
 /// What a message advises: near a singular position of joints in a loop, or otherwise.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,10 @@ public:
     const BodyVectors& solve(const std::vector<BodyState>& now, Networks& networks, const std::vector<Stop>& stops);
     /// Has stops hold over the open step what they would have let go at once: where ODE does not agree to it.
     void hold_stops() { may_leave_stops_ = false; }
+    /// Whether the step last solved leaves a stop.
+    bool leaves_stops() const {
+        return std::ranges::any_of(stops_, [](const Stop& stop) { return stop.left > 0; });
+    }
 
     /// The bodies at the end of the step last solved.
     const std::vector<BodyState>& predicted() const { return trial_; }
@@ -60,8 +65,9 @@ public:
     /// Which equations of joints that step does without.
     const SingularPosition& singular_position() const { return singular_; }
 
-    /// Throws Error(numerical_failure) naming body and joints unless ODE has moved the bodies as solve() predicted, to
-    /// kAgreement of their speeds.
+    /// Whether ODE has moved the bodies as solve() predicted, to kAgreement of their speeds.
+    bool agrees(const std::vector<BodyState>& after) const { return !find_otherwise(after).joint; }
+    /// Throws Error(numerical_failure) naming body and joints unless it has.
     void confirm(const std::vector<BodyState>& after) const;
 
     /// How the end of the open step was found, or of the last one.
@@ -77,6 +83,12 @@ public:
     long factorisations() const { return factorisations_; }
 
 private:
+    struct Otherwise {
+        const Joint* joint = nullptr;  ///< none: ODE agrees
+        size_t body = 0;
+        double off = 0;  ///< [m/s]
+    };
+    Otherwise find_otherwise(const std::vector<BodyState>& after) const;
     bool find_end(const std::vector<BodyState>& now, Networks& networks);
     void linearise_joints(const std::vector<BodyState>& now);
     void evaluate(const std::vector<BodyState>& now, Networks& networks);

@@ -225,7 +225,8 @@ bool StepEquations::add_first_stop(const std::vector<BodyState>& now, const std:
             double share = (stop - start) / way;
             if (only_forces_act(before, stops, j)) {
                 const Course course(joint, h_, way, now, end);
-                share = share_of(stop - start, way + course.turning, course.gain, h_);
+                const double by_force = share_of(stop - start, way + course.turning, course.gain, h_);
+                if (by_force >= 0 && by_force <= 1) share = by_force;
             }
             if (share >= first) continue;
             first = share;

@@ -287,7 +287,7 @@ private:
         const ReadContext silent{context_.parameters, unheard, context_.inputs};
         const auto number =
             given ? read_number(silent, given->value, "segments", "1") : std::optional(parameter->default_value);
-        if (!number || *number < 1) return;  // its reader reports it
+        if (!number || *number < 1 || *number != std::round(*number)) return;  // its reader reports it
         if (part.segment == 0) part.segment = part.length / *number;
         behind.segment = part.segment;
         const Place place = given ? given->value.place : first.place;

@@ -69,6 +69,27 @@ TEST(AdaptivePoints, RoundingIsNotDrawn) {
     EXPECT_EQ(both.points().size(), alone.points().size());
 }
 
+// A motion without damping elsewhere in the machine, and one of another unit: the curve is as good as alone.
+TEST(AdaptivePoints, APeakElsewhereLeavesTheCurve) {
+    const auto undamped = [](double x) { return 1.0 / std::abs(1 - x * x / 6.25 + 1e-12); };
+    AdaptivePoints adaptive(
+        [&](double x) {
+            return AdaptivePoints::Values{resonance(x), undamped(x), 3000 * undamped(x)};
+        },
+        {{}, {0, 1, false}, {0, 1e-3, false}});
+    ASSERT_TRUE(adaptive.find(std::array{0.1, 1.0, 2.5, 4.0}, 1000, goes_on));
+    double last = 0;
+    Complex last_value;
+    for (const auto& [x, values] : adaptive.points()) {
+        const double middle = std::abs(resonance(0.5 * (last + x)));
+        if (last > 0) {
+            EXPECT_NEAR(0.5 * (std::abs(last_value) + std::abs(values[0])), middle, 0.0101 * middle) << x;
+        }
+        last = x;
+        last_value = values[0];
+    }
+}
+
 // A free direction at 0 has another value than beside it: the search ends there all the same.
 TEST(AdaptivePoints, AFreeDirectionAtZeroEnds) {
     AdaptivePoints adaptive([](double x) { return AdaptivePoints::Values{x == 0 ? 1.0 : 1.0 / (x * x)}; }, {{}});

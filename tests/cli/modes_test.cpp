@@ -428,14 +428,15 @@ rotational_stiffness = [1e5, 0, 0]
 // A spring beside the centre of a body that turns: its end moves in y too, which is left out. What the frequencies are of is
 // told. On the axis of the rotation nothing is left out.
 TEST(ModesCases, AMotionThatDofsLeaveOutIsTold) {
-    const auto warnings_of = [](const std::string& marker) {
+    const auto warnings_of = [](const std::string& marker, const std::string& position = "[0.7, 0.2, -0.4]") {
         return modes_of(R"(format = "dttmm/1"
 dofs = ["x", "rz"]
 [[body]]
 name = "wheel"
 mass = 2
 inertia = [0.03, 0.02, 0.05]
-position = [0.7, 0.2, -0.4]
+position = )" + position +
+                        R"(
 markers = { rim = )" + marker +
                         R"( }
 [[element]]
@@ -453,6 +454,7 @@ rotational_stiffness = [0, 0, 30]
     EXPECT_THAT(beside[0]["text"],
                 testing::HasSubstr("dofs keep rz and leave out y, in which rz moves points of body \"wheel\""));
     EXPECT_TRUE(warnings_of("[0, 0.1, 0.3]").empty());
+    EXPECT_TRUE(warnings_of("[6e-17, 0, 0.3]", "[-5e-17, 0, 0]").empty()) << "rounding at the origin";
 }
 
 // Oracle: theory.md V7, ω = √5 ∓ 1. A model of two masses has two frequencies, however many are asked for.

@@ -100,6 +100,8 @@ TEST(CutLines, NoLumpIsLongerThanWithoutProbes) {
     EXPECT_THAT(lumps(2.49, 0.96), ElementsAre(3, 4, 4));
     EXPECT_THAT(lumps(4 - 2.49, 4 - 0.96), ElementsAre(4, 4, 3));
     EXPECT_THAT(lumps(0.8, 2.4), ElementsAre(2, 4, 4));
+    EXPECT_THAT(line_fault(kRoot + kPole + "segments = 2.5\n[[probe]]\nname = \"a\"\non = \"pole\"\nat = 0.96\n"),
+                HasSubstr("whole number, got 2.5"));
 }
 
 TEST(CutLines, AProbeOnABodyIsAMarker) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
-/// The largest distance of places and of radii of gyration [m].
+/// The largest distance of a place from the first one, or √(trace J/m) of a body [m]; 1 if all are zero.
 double size_of(const Model& model, const ModalMachine& machine) {
     double size = 0;
     for (const ModalPlace& place : machine.places())

@@ -264,7 +264,7 @@ bool StepEquations::leave_stops(const std::vector<BodyState>& now, const std::ve
         double speed = steps * course.gain - course.turning / h_;
         const double start = joint.coordinate(now);
         const auto stop = [&](int side) { return joint.stops()[side > 0 ? 0 : 1]; };
-        if (!is_drawn_off)  // only dampers did so, before the impact: back to the stop
+        if (!is_drawn_off)  // dampers did so, and ended with the impact: back to the stop
             speed = (stop(reached.side) - reached.side * Stop::kPlay - start) / h_;
         // It leaves no faster than it came: forces then change its speed little within these steps
         if ((2.5 - reached.share) * std::abs(course.gain) > reached.arrival) continue;

@@ -69,8 +69,8 @@ public:
     // Stops over the step whose motion has been found; end: poses at its end, velocities over it.
     /// Lets go the foreseen stops that would pull; true if there are any.
     bool release_pulling_stops(std::vector<Stop>& stops) const;
-    // before: those of the step before. A stop takes the speed at the instant at which it is reached; what draws off has
-    // acted since, and the machine leaves with the speed that this has made.
+    // before: those of the step before. A stop takes the speed at the instant at which it is reached. From then on the forces
+    // act, and the machine leaves with the speed that they have made.
     /// Adds the first stop that the motion runs through, so that it ends there; true if there is one.
     bool add_first_stop(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
                         const std::vector<Stop>& before, std::vector<Stop>& stops) const;
@@ -99,7 +99,7 @@ private:
         Eigen::Matrix3d since = Eigen::Matrix3d::Identity();  ///< Q; the identity of a body that is not followed
     };
     int stop_index(size_t joint) const;      ///< of the equation of its stop or motor
-    double impulse_per_speed(size_t joint);  ///< of a stop that acts: what an impulse takes off its coordinate's speed
+    double impulse_per_speed(size_t joint);  ///< of a stop that acts, to change the speed of its coordinate by one unit
     double coordinate_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
                            bool (JointEquations::*counts)() const) const;
     Eigen::Matrix<double, 6, 1> residual_of(size_t body, const BodyState& now, const std::vector<double>& wrenches) const;

@@ -131,7 +131,7 @@ void check_rest(const TableReader& file, const Model& model) {
 
 void read_contents(const TableReader& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides,
                    Model& model) {
-    // A file that is not included, or a pattern of a wrong count, may have the bodies
+    // After a fault of a pattern or of an included file its bodies are missing: one message is enough
     const bool has_all_tables = !file.context().diagnostics.has_errors();
     NameRegistry body_names("body"), node_names("node"), element_names("element");
     model.title = file.text("title", "").value_or("");

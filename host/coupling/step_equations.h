@@ -69,8 +69,8 @@ public:
     // Stops over the step whose motion has been found; end: poses at its end, velocities over it.
     /// Lets go the foreseen stops that would pull; true if there are any.
     bool release_pulling_stops(std::vector<Stop>& stops) const;
-    // before: those of the step before. A stop takes the speed at the instant at which it is reached. From then on the forces
-    // act, and the machine leaves with the speed that they have made.
+    // before: those of the step before. A stop takes the speed at the instant at which it is reached. From then on the
+    // forces act, and the machine leaves with the speed that they have made.
     /// Adds the first stop that the motion runs through, so that it ends there; true if there is one.
     bool add_first_stop(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
                         const std::vector<Stop>& before, std::vector<Stop>& stops) const;

@@ -276,7 +276,6 @@ private:
     /// So many lumps for each part that none is longer than before the first cut, whatever else is cut: where that is a
     /// whole number of them they stay where they were.
     void share_segments(Part& part, Part& behind, TomlValue& first, TomlValue& second) const {
-        constexpr double kWhole = 1e-9;  // of a lump: rounding of lengths
         const dttmm_element_type& type = *line_type(first);
         const dttmm_parameter* end = type.parameters + type.parameter_count;
         const dttmm_parameter* parameter = std::find_if(
@@ -295,7 +294,7 @@ private:
             TomlValue value;
             value.kind = TomlValue::Kind::integer;
             value.place = place;
-            value.number = std::max(1.0, std::ceil(length / part.segment - kWhole));
+            value.number = std::max(1.0, std::ceil(length / part.segment * (1 - kLengthTolerance)));
             set_member(entry, "segments", value);
         };
         set(first, behind.start - part.start);

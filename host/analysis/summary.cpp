@@ -331,9 +331,7 @@ void write_run(JsonWriter& out, const Model& model, const Request& request, cons
                               {"waited_for", simulation.waited_for(worst)}});
     out.member("coupling", {{"passes", simulation.end_of_step().passes()},
                             {"passes_per_step", static_cast<double>(simulation.end_of_step().passes()) / steps},
-                            {"factorisations", simulation.end_of_step().factorisations()},
-                            {"engine_steps", simulation.engine_steps()},
-                            {"engine_steps_per_step", static_cast<double>(simulation.engine_steps()) / steps}});
+                            {"factorisations", simulation.end_of_step().factorisations()}});
     out.member("fastest_vibration", {{"omega_h", simulation.fastest_mode().omega * simulation.step_size()},
                                      {"frequency_hz", simulation.fastest_mode().omega / (2 * M_PI)},
                                      {"body", simulation.fastest_mode().body},

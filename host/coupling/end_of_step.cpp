@@ -17,6 +17,7 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
       have_loop_(form_loop(model.joints)),
       stops_(model.joints.size()),
       stops_before_(model.joints.size()),
+      reached_(model.joints.size()),
       wrenches_(6 * model.bodies.size()) {
     for (BodyVectors* list : {&previous_u_, &base_u_, &feedback_}) *list = equations_.u();
 }
@@ -24,6 +25,7 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
 std::vector<BodyState> EndOfStep::start(double h, const std::vector<BodyState>& at, const BodyVectors& accelerations) {
     trial_ = half_ = at;
     equations_.start(h);
+    equations_.place_before_start(at, accelerations, stops_);
     std::vector<BodyState> half_step_back = at;
     for (size_t b = 0; b < at.size(); ++b) {
         const auto& a = accelerations[b];
@@ -38,7 +40,6 @@ std::vector<BodyState> EndOfStep::start(double h, const std::vector<BodyState>& 
 void EndOfStep::begin_step(const dttmm_step& step, const std::vector<BodyState>& now, const Loads& loads) {
     open_ = {step.index, step.time};
     stops_before_ = stops_;
-    may_leave_stops_ = true;
     std::ranges::fill(wrenches_, 0.0);
     loads.add_over_step(now, wrenches_.data());
     equations_.begin_step(now, wrenches_);
@@ -51,12 +52,16 @@ void EndOfStep::begin_step(const dttmm_step& step, const std::vector<BodyState>&
     convergence_.begin_step(now, equations_);
 }
 
-const BodyVectors& EndOfStep::solve(const std::vector<BodyState>& now, Networks& networks, const std::vector<Stop>& stops) {
-    stops_ = stops;
+const BodyVectors& EndOfStep::solve(const std::vector<BodyState>& now, Networks& networks) {
+    equations_.joint_system().find_stops(now, stops_before_, reached_);
+    stops_ = reached_;
+    for (size_t j = 0; j < stops_.size(); ++j)  // the free motion decides whether they are left at once
+        if (stops_before_[j].is_foreseen) stops_[j].let_go();
     if (!find_end(now, networks)) {
         // A stop at a dead centre can hold the joints open: it lets go
         if (std::ranges::none_of(stops_, &Stop::acts)) refuse(networks);
-        std::ranges::fill(stops_, Stop{});
+        for (Stop& stop : reached_) stop.let_go();
+        stops_ = reached_;
         equations_.u() = previous_u_;
         if (!find_end(now, networks)) refuse(networks);
     }
@@ -101,8 +106,8 @@ bool EndOfStep::find_end(const std::vector<BodyState>& now, Networks& networks) 
         if (!done || pass < first_trusted || !parts_done) continue;
         if (!equations_.joint_system().has_stops()) return true;
         equations_.move(now, equations_.h(), trial_);
-        if (!equations_.release_pulling_stops(stops_) && !equations_.add_first_stop(now, trial_, stops_before_, stops_) &&
-            !(may_leave_stops_ && equations_.leave_stops(now, trial_, stops_before_, stops_)))
+        if (!equations_.release_pulling_stops(stops_) && !equations_.leave_stops(trial_, stops_before_, stops_) &&
+            !equations_.add_first_stop(trial_, reached_, stops_before_, stops_))
             return true;
         linearise_joints(now);
         first_trusted = pass + 2;
@@ -184,7 +189,7 @@ std::string EndOfStep::waited_for(const StepReport& report, const Networks& netw
     return report.body >= 0 ? convergence_.name_of(as_size(report.body)) : "";
 }
 
-EndOfStep::Otherwise EndOfStep::find_otherwise(const std::vector<BodyState>& after) const {
+void EndOfStep::confirm(const std::vector<BodyState>& after) const {
     for (const Joint& joint : joints_)
         for (int body : {joint.first, joint.second}) {
             if (body < 0) continue;
@@ -193,19 +198,13 @@ EndOfStep::Otherwise EndOfStep::find_otherwise(const std::vector<BodyState>& aft
             difference.head<3>() -= after[b].velocity;
             difference.tail<3>() -= after[b].angular_velocity;
             const double off = convergence_.speed(b, difference);
-            if (!(off <= convergence_.tolerance(b, kAgreement))) return {&joint, b, off};
+            if (off <= convergence_.tolerance(b, kAgreement)) continue;
+            throw Error(ExitCode::numerical_failure,
+                        fmt::format("t = {:.9g} s: ODE's joints move body \"{}\" otherwise than predicted, by {:.1e} m/s "
+                                    "(joint \"{}\"); {}",
+                                    open_.time, convergence_.name(b), off, joint.name,
+                                    cure("a step too long for the turning, or very unequal masses?")));
         }
-    return {};
-}
-
-void EndOfStep::confirm(const std::vector<BodyState>& after) const {
-    const Otherwise found = find_otherwise(after);
-    if (!found.joint) return;
-    throw Error(ExitCode::numerical_failure,
-                fmt::format("t = {:.9g} s: ODE's joints move body \"{}\" otherwise than predicted, by {:.1e} m/s (joint "
-                            "\"{}\"); {}",
-                            open_.time, convergence_.name(found.body), found.off, found.joint->name,
-                            cure("a step too long for the turning, or very unequal masses?")));
 }
 
 /// What a message advises: near a singular position of joints in a loop, or otherwise.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -21,8 +20,10 @@ namespace dttmm::host {
 /// once: Newton's iteration on the StepEquations. Their matrix is factored once and kept while it converges fast (with
 /// joints formed anew for every solve, as J turns). For explicit schemes S is zero and u follows at once: one path for both.
 ///
-/// The iteration closes the joints just as ODE and the closing of its joints will: only f is handed to ODE, whose joints
-/// then find q by themselves. ODE is asked whether it agrees; it has the last word on which stops act.
+/// The iteration closes the joints just as ODE and the closing of its joints will: only f and the impulses of stops are
+/// handed to ODE, whose joints then find the rest of q by themselves.
+///
+/// Stops act as far as they push, by the sign of q, so that a stop lets go in the step in which it would pull.
 ///
 /// A step is accepted when every group of connected bodies and every part of the plugins has converged (StepConvergence).
 /// The rate of the steps before may be used, so that a linear model takes one pass, with joints two (their multipliers do
@@ -43,17 +44,9 @@ public:
     /// Opens a step. `now`: poses at t_n, velocities over the step before. Networks and loads have begun the step.
     void begin_step(const dttmm_step& step, const std::vector<BodyState>& now, const Loads& loads);
 
-    /// The wrenches for ODE, 6 per body, if `stops` act over the step, one per joint; those that the step would run through
-    /// are added here, their forces among the wrenches. May be called again with others. Throws Error(numerical_failure)
-    /// naming the worst body when it does not converge.
-    const BodyVectors& solve(const std::vector<BodyState>& now, Networks& networks, const std::vector<Stop>& stops);
-    /// Has stops hold over the open step what they would have let go at once: where ODE does not agree to it.
-    void hold_stops() { may_leave_stops_ = false; }
-    /// Whether the step last solved leaves a stop.
-    bool leaves_stops() const {
-        return std::ranges::any_of(stops_, [](const Stop& stop) { return stop.left > 0; });
-    }
-
+    /// The wrenches for ODE, 6 per body, the forces of stops among them. Throws Error(numerical_failure) naming the worst
+    /// body when it does not converge.
+    const BodyVectors& solve(const std::vector<BodyState>& now, Networks& networks);
     /// The bodies at the end of the step last solved.
     const std::vector<BodyState>& predicted() const { return trial_; }
     /// The same. Also without joints it includes the last correction, which predicted() lacks there.
@@ -65,9 +58,8 @@ public:
     /// Which equations of joints that step does without.
     const SingularPosition& singular_position() const { return singular_; }
 
-    /// Whether ODE has moved the bodies as solve() predicted, to kAgreement of their speeds.
-    bool agrees(const std::vector<BodyState>& after) const { return !find_otherwise(after).joint; }
-    /// Throws Error(numerical_failure) naming body and joints unless it has.
+    /// Throws Error(numerical_failure) naming body and joint unless ODE has moved the bodies as solve() predicted, to
+    /// kAgreement of their speeds.
     void confirm(const std::vector<BodyState>& after) const;
 
     /// How the end of the open step was found, or of the last one.
@@ -83,12 +75,6 @@ public:
     long factorisations() const { return factorisations_; }
 
 private:
-    struct Otherwise {
-        const Joint* joint = nullptr;  ///< none: ODE agrees
-        size_t body = 0;
-        double off = 0;  ///< [m/s]
-    };
-    Otherwise find_otherwise(const std::vector<BodyState>& after) const;
     bool find_end(const std::vector<BodyState>& now, Networks& networks);
     void linearise_joints(const std::vector<BodyState>& now);
     void evaluate(const std::vector<BodyState>& now, Networks& networks);
@@ -107,7 +93,7 @@ private:
     bool have_loop_;
     std::vector<Stop> stops_;              ///< that act over the open step
     std::vector<Stop> stops_before_;       ///< that acted over the step before
-    bool may_leave_stops_ = true;          ///< over the open step
+    std::vector<Stop> reached_;            ///< at t_n
     std::vector<BodyState> trial_, half_;  ///< at the end of the step, and half way
     std::vector<double> wrenches_;         ///< 6 per body
     BodyVectors previous_u_;               ///< over the step before

@@ -44,6 +44,15 @@ void refuse_opening_joints(const std::vector<Joint>& descriptions, const JointSy
     }
 }
 
+/// The stops on which joints rest at the start.
+std::vector<Stop> resting_stops(const JointSystem& joints, const std::vector<BodyState>& at, double h) {
+    std::vector<Stop> stops(joints.joints().size());
+    joints.find_stops(at, stops, stops);
+    for (size_t j = 0; j < stops.size(); ++j)
+        if (stops[j].acts && std::abs(h * joints.joints()[j].coordinate_speed(at, at)) > Stop::kPlay) stops[j].let_go();
+    return stops;
+}
+
 }  // namespace
 
 bool has_mean_velocities(const Model& model) {
@@ -77,9 +86,12 @@ const Instant& InstantSolver::start(const Model& model, const dttmm_step& step, 
     JointSystem joints(model.bodies, model.joints);
     joints.drive(Drives(model).around(step));
     refuse_opening_joints(model.joints, joints, at, step.size);
-    joints.linearise(at, at, std::vector<Stop>(model.joints.size()));
-    factor(joints, step.time);
-    find_accelerations(joints);
+    std::vector<Stop> stops = resting_stops(joints, at, step.size);
+    do {
+        joints.linearise(at, at, stops);
+        factor(joints, step.time);
+        find_accelerations(joints);
+    } while (joints.has_stops() && joints.release_pulling_stops(matrix_, solution_, stops));
     networks.start(step, at, at.empty() ? nullptr : instant_.accelerations.front().data(), loads.on_networks().data());
     return instant_;
 }
@@ -96,7 +108,7 @@ const Instant& InstantSolver::start_at_rest(const dttmm_step& step, const std::v
 
 const Instant& InstantSolver::solve(double time, const StepEquations& step, const std::vector<BodyState>& now,
                                     const std::vector<BodyState>& after, Networks& networks, const Loads& loads) {
-    const bool is_impact = step.has_impact(now, after);
+    const bool is_impact = step.has_impact();
     find_means(now, after);
     if (is_impact || !networks.stand()) find_joint_wrenches(step.joint_system(), step.matrix(), step.impulses());
     if (!networks.stand()) return instant_;

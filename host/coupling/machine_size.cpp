@@ -44,7 +44,7 @@ MachineSize::MachineSize(const Model& model, const std::vector<JointEquations>& 
     for (const double length : reach) span = std::max(span, length);
     for (const JointEquations& joint : joints)
         if (joint.has_stops() && !joint.turns())
-            for (const double stop : joint.stops()) span = std::max(span, std::abs(stop));
+            for (int side : {1, -1}) span = std::max(span, std::abs(joint.stop(side)));
     if (span == 0) span = kSizeOfPoint;
     extent = std::max(extent, span);
 }

@@ -94,7 +94,7 @@ void RestingJoints::add(std::vector<BodyState>& at, double factor, const std::ve
             const bool is_stop = row == joint.lasting();
             const bool is_idle = is_stop && !stops_[j].acts;  // zeros all the same: the pattern stays
             // Beyond the stop by its play, where steps keep it: just at it rounding could say that it is not reached
-            const auto stop = [&] { return joint.stops()[stops_[j].side > 0 ? 0 : 1] - stops_[j].side * Stop::kPlay; };
+            const auto stop = [&] { return joint.stop(stops_[j].side) - stops_[j].side * Stop::kPlay; };
             entries.emplace_back(first + row, first + row, is_idle ? 1 : -kProximal / stiffest);
             right_hand_side(first + row) = is_idle ? -q_(force + row) : is_stop ? stop() - joint.coordinate(at) : -C(row);
             if (shares_anew && !is_idle) right_hand_side(first + row) += kProximal / stiffest * q_(force + row);
@@ -226,7 +226,7 @@ bool RestingJoints::reach_stops(const std::vector<BodyState>& at) {
         const JointEquations& joint = equations()[j];
         if (!joint.has_stops() || stops_[j].acts) continue;
         const double place = joint.coordinate(at);
-        const int side = place < joint.stops()[0] - Stop::kPlay ? 1 : place > joint.stops()[1] + Stop::kPlay ? -1 : 0;
+        const int side = place < joint.stop(1) - Stop::kPlay ? 1 : place > joint.stop(-1) + Stop::kPlay ? -1 : 0;
         if (side == 0) continue;
         stops_[j].acts = is_reached = true;
         stops_[j].side = side;

@@ -153,7 +153,7 @@ void StepEquations::write_feedback(const std::vector<BodyState>& now, BodyVector
     right_hand_side_.setZero();
     solution_ = impulses_;
     for (size_t j = 0; j < joints_.stops().size(); ++j)
-        if (joints_.stops()[j].is_foreseen) solution_(stop_index(j)) = 0;
+        if (joints_.stops()[j].acts) solution_(stop_index(j)) = 0;
     joints_.add_impulses(matrix_, solution_, right_hand_side_);
     for (size_t b = 0; b < now.size(); ++b) feedback[b] -= per_step * right_hand_side_.segment<6>(matrix_.index(as_int(b)));
 }
@@ -162,16 +162,20 @@ int StepEquations::stop_index(size_t joint) const {
     return matrix_.joint_index(as_int(joint)) + joints_.joints()[joint].coordinate_row();
 }
 
-/// The impulse −q on the coordinate must have the sign of the stop's side.
-bool StepEquations::release_pulling_stops(std::vector<Stop>& stops) const {
-    const double weak = kRounding * impulses_.cwiseAbs().maxCoeff();
-    bool changed = false;
-    for (size_t j = 0; j < stops.size(); ++j) {
-        if (!stops[j].is_foreseen || stops[j].left > 0 || stops[j].side * impulses_(stop_index(j)) <= weak) continue;
-        stops[j].acts = stops[j].is_foreseen = false;
-        changed = true;
+void StepEquations::place_before_start(const std::vector<BodyState>& at, const BodyVectors& accelerations,
+                                       std::vector<Stop>& stops) const {
+    std::vector<BodyState> quickening = at;  // accelerations in place of velocities
+    for (size_t b = 0; b < at.size(); ++b) {
+        quickening[b].velocity = accelerations[b].head<3>();
+        quickening[b].angular_velocity = accelerations[b].tail<3>();
     }
-    return changed;
+    for (size_t j = 0; j < stops.size(); ++j) {
+        const JointEquations& joint = joints_.joints()[j];
+        if (!joint.has_stops()) continue;
+        const double speed = joint.coordinate_speed(at, at);
+        const double rate = joint.coordinate_speed(at, quickening) + joint.curvature(at)(joint.coordinate_row());
+        stops[j].start = joint.coordinate(at) - h_ * (speed - 0.5 * h_ * rate);
+    }
 }
 
 namespace {
@@ -184,103 +188,83 @@ bool only_forces_act(const std::vector<Stop>& before, const std::vector<Stop>& s
     return true;
 }
 
-/// A coordinate around t_n, as parabolas through t_{n-1}, t_n and the end of the step have it.
-struct Course {
-    double turning = 0;  ///< what the turning of its direction adds to h J u [rad, m]
-    double gain = 0;     ///< what it gains of speed over a step [rad/s, m/s]
-
-    /// way: h J u over the step.
-    Course(const JointEquations& joint, double h, double way, const std::vector<BodyState>& now,
-           const std::vector<BodyState>& end) {
-        double whole = joint.coordinate(end) - joint.coordinate(now);
-        if (joint.turns()) whole = std::remainder(whole, 2 * M_PI);
-        turning = whole - h * joint.coordinate_speed(now, end);
-        gain = (way + 2 * turning) / h - joint.coordinate_speed(now, now);
-    }
-};
-
-/// Share of a step of size h after which a coordinate has gone `there`; `way` over the whole step, of at least that.
-double share_of(double there, double way, double gain, double h) {
-    // there = s way - s (1 - s) gain h/2
-    const double half = 0.5 * h * gain, slope = way - half;
+/// Share of a step after which a coordinate has gone `there`; `way` over the whole step, of at least that, and `gain` more
+/// than over the step before.
+double share_of(double there, double way, double gain) {
+    // there = s way - s (1 - s) gain/2
+    const double half = 0.5 * gain, slope = way - half;
     return 2 * there / (slope + std::copysign(std::sqrt(std::max(slope * slope + 4 * half * there, 0.0)), way));
 }
 
 }  // namespace
 
-bool StepEquations::add_first_stop(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
+bool StepEquations::add_first_stop(const std::vector<BodyState>& end, const std::vector<Stop>& reached,
                                    const std::vector<Stop>& before, std::vector<Stop>& stops) const {
     double first = std::numeric_limits<double>::infinity();  // share of the step after which a stop is reached
-    size_t reached = stops.size();
-    Stop stop_reached;
+    size_t which = stops.size();
+    Stop added;
     for (size_t j = 0; j < stops.size(); ++j) {
         const JointEquations& joint = joints_.joints()[j];
         if (!joint.has_stops() || stops[j].acts) continue;
-        const double start = joint.coordinate(now);
-        // By the directions at t_n, as a stop that acts: else one that is hardly reached would pull
-        const double way = h_ * joint.coordinate_speed(now, end);
+        const double start = stops[j].start, way = joint.way(start, joint.coordinate(end));
         for (int side : {1, -1}) {
-            const double stop = joint.stops()[side > 0 ? 0 : 1];
-            if (side * (start + way - stop) >= -Stop::kPlay || side * (start - stop) < 0) continue;
+            const double stop = joint.stop(side);
+            if (side * (start + way - stop) >= -2 * Stop::kPlay) continue;  // one that acts is passed by kPlay
+            if (side * (start - stop) <= 0) {
+                if (!reached[j].acts) continue;
+                stops[j] = reached[j];
+                return true;
+            }
             double share = (stop - start) / way;
             if (only_forces_act(before, stops, j)) {
-                const Course course(joint, h_, way, now, end);
-                const double by_force = share_of(stop - start, way + course.turning, course.gain, h_);
+                const double by_force = share_of(stop - start, way, way - joint.way(stops[j].before, start));
                 if (by_force >= 0 && by_force <= 1) share = by_force;
             }
             if (share >= first) continue;
             first = share;
-            reached = j;
-            stop_reached = {true, (stop - side * Stop::kPlay - start) / h_, side, true, share, std::abs(way) / h_};
+            which = j;
+            added = {stops[j].before, start, true, stop - side * Stop::kPlay, side, true, share, std::abs(way)};
         }
     }
-    if (reached == stops.size()) return false;
-    stops[reached] = stop_reached;
+    if (which == stops.size()) return false;
+    stops[which] = added;
     return true;
 }
 
-double StepEquations::impulse_per_speed(size_t joint) {
-    right_hand_side_.setZero();
-    right_hand_side_(stop_index(joint)) = 1;
-    factor_.solve(right_hand_side_, solution_);
-    return -solution_(stop_index(joint));
-}
-
-bool StepEquations::leave_stops(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
-                                const std::vector<Stop>& before, std::vector<Stop>& stops) {
+bool StepEquations::leave_stops(const std::vector<BodyState>& end, const std::vector<Stop>& before,
+                                std::vector<Stop>& stops) const {
     bool changed = false;
     for (size_t j = 0; j < before.size(); ++j) {
         const Stop& reached = before[j];
-        if (!reached.acts || !reached.is_foreseen || reached.left > 1 || stops[j].left > 0) continue;
-        if ((reached.left == 1 && stops[j].acts) || !only_forces_act(before, stops, j)) continue;
+        Stop& stop = stops[j];
+        if (!reached.acts || !reached.is_foreseen || reached.left > 1 || stop.acts) continue;
+        if (!only_forces_act(before, stops, j)) continue;
         const JointEquations& joint = joints_.joints()[j];
-        const double free =
-            joint.coordinate_speed(now, end) + (stops[j].acts ? impulses_(stop_index(j)) / impulse_per_speed(j) : 0);
-        const Course course(joint, h_, h_ * free, now, end);
-        const bool is_drawn_off = reached.side * course.gain > 0;
+        const double gain =
+            joint.way(stop.start, joint.coordinate(end)) - joint.way(stop.before, stop.start);  // over a step
+        const bool is_drawn_off = reached.side * gain > 0;
         if (!is_drawn_off && reached.left == 0) continue;
         // The first step leads to where it is after (2 - share) h, the second has the speed of half a step later
         const double steps = reached.left == 0 ? 0.5 * std::pow(2 - reached.share, 2) : 2.5 - reached.share;
-        double speed = steps * course.gain - course.turning / h_;
-        const double start = joint.coordinate(now);
-        const auto stop = [&](int side) { return joint.stops()[side > 0 ? 0 : 1]; };
-        if (!is_drawn_off)  // dampers did so, and ended with the impact: back to the stop
-            speed = (stop(reached.side) - reached.side * Stop::kPlay - start) / h_;
+        // Dampers alone draw it off before the impact, and not after it: back to the stop
+        const double to = is_drawn_off ? stop.start + steps * gain : joint.stop(reached.side) - reached.side * Stop::kPlay;
         // It leaves no faster than it came: forces then change its speed little within these steps
-        if ((2.5 - reached.share) * std::abs(course.gain) > reached.arrival) continue;
-        if (reached.side * (start + h_ * speed - stop(-reached.side)) > 0) continue;
-        stops[j] = {true, speed, reached.side, true, reached.share, reached.arrival, reached.left + 1};
+        if ((2.5 - reached.share) * std::abs(gain) > reached.arrival) continue;
+        if (reached.side * (to - joint.stop(-reached.side)) > 0) continue;
+        stop = {stop.before, stop.start, true, to, reached.side, true, reached.share, reached.arrival, reached.left + 1};
         changed = true;
     }
     return changed;
 }
 
-bool StepEquations::has_impact(const std::vector<BodyState>& now, const std::vector<BodyState>& end) const {
-    const double rest = 2 * Stop::kPlay / h_;
-    for (size_t j = 0; j < joints_.stops().size(); ++j)
-        if (joints_.stops()[j].acts &&
-            (std::abs(joints_.coordinate_speed(j, now)) > rest || std::abs(joints_.coordinate_speed(j, end)) > rest))
+bool StepEquations::has_impact() const {
+    for (size_t j = 0; j < joints_.stops().size(); ++j) {
+        const Stop& stop = joints_.stops()[j];
+        const JointEquations& joint = joints_.joints()[j];
+        if (stop.acts && std::max(std::abs(joint.way(stop.before, stop.start)), std::abs(joint.way(stop.start, stop.end))) >
+                             2 * Stop::kPlay)
             return true;
+    }
     return false;
 }
 

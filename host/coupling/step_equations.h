@@ -63,23 +63,28 @@ public:
     void correct(const std::vector<BodyState>& now, const std::vector<BodyState>& end, const std::vector<double>& wrenches);
     /// The residual r of the equations of motion at u, as ½ rᵀ M⁻¹ r [J]; without joints.
     double residual(const std::vector<BodyState>& now, const std::vector<double>& wrenches) const;
-    /// What makes ODE move the bodies by u, its joints adding their own impulses but those of foreseen stops.
+    /// What makes ODE move the bodies by u; its joints add their own impulses, which have no stops.
     void write_feedback(const std::vector<BodyState>& now, BodyVectors& feedback);
 
     // Stops over the step whose motion has been found; end: poses at its end, velocities over it.
-    /// Lets go the foreseen stops that would pull; true if there are any.
-    bool release_pulling_stops(std::vector<Stop>& stops) const;
+    /// Where coordinates were a step before the start: `start` of the stops.
+    void place_before_start(const std::vector<BodyState>& at, const BodyVectors& accelerations,
+                            std::vector<Stop>& stops) const;
+    /// Lets go the stops that pull; true if there are any.
+    bool release_pulling_stops(std::vector<Stop>& stops) const {
+        return joints_.release_pulling_stops(matrix_, impulses_, stops);
+    }
     // before: those of the step before. A stop takes the speed at the instant at which it is reached. From then on the
     // forces act, and the machine leaves with the speed that they have made.
-    /// Adds the first stop that the motion runs through, so that it ends there; true if there is one.
-    bool add_first_stop(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
-                        const std::vector<Stop>& before, std::vector<Stop>& stops) const;
-    /// Has the machine leave, over two steps, stops that were reached within the step before and from which it is drawn off;
-    /// true if there are any.
-    bool leave_stops(const std::vector<BodyState>& now, const std::vector<BodyState>& end, const std::vector<Stop>& before,
-                     std::vector<Stop>& stops);
+    /// Adds the first stop that the motion runs through, of those `reached` at t_n or within the step, so that it ends
+    /// there; true if there is one.
+    bool add_first_stop(const std::vector<BodyState>& end, const std::vector<Stop>& reached, const std::vector<Stop>& before,
+                        std::vector<Stop>& stops) const;
+    /// Has the machine leave, over two steps, stops that were reached within the step before, do not act yet, and from which
+    /// it is drawn off; true if there are any.
+    bool leave_stops(const std::vector<BodyState>& end, const std::vector<Stop>& before, std::vector<Stop>& stops) const;
     /// Whether a stop changes the speed of its coordinate over the step: it has not been at rest on it.
-    bool has_impact(const std::vector<BodyState>& now, const std::vector<BodyState>& end) const;
+    bool has_impact() const;
     /// Work of the stops at t_n on the bodies [J]: a stop takes speed and gives none back. Positive by round-off, and by
     /// order h² where a stop that was just reached is left.
     double stop_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end) const {
@@ -98,8 +103,7 @@ private:
         Eigen::Matrix3d then = Eigen::Matrix3d::Identity();   ///< rotation of the body when it was formed
         Eigen::Matrix3d since = Eigen::Matrix3d::Identity();  ///< Q; the identity of a body that is not followed
     };
-    int stop_index(size_t joint) const;      ///< of the equation of its stop or motor
-    double impulse_per_speed(size_t joint);  ///< of a stop that acts, to change the speed of its coordinate by one unit
+    int stop_index(size_t joint) const;  ///< of the equation of its stop or motor
     double coordinate_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
                            bool (JointEquations::*counts)() const) const;
     Eigen::Matrix<double, 6, 1> residual_of(size_t body, const BodyState& now, const std::vector<double>& wrenches) const;

@@ -18,8 +18,6 @@ namespace {
 /// Beyond it, as beyond kFarthest, a machine has flown apart and ODE begins to lose digits.
 constexpr double kFastest = 1e8;  // m/s and rad/s
 
-constexpr int kMostAttempts = 10;
-
 std::vector<BodyState> read_states(const World& world, size_t count) {
     std::vector<BodyState> states(count);
     world.read_states(states);
@@ -54,9 +52,7 @@ Simulation::Simulation(const Model& model, const Plugins& plugins, For what)
       after_(model.bodies.size()),
       fastest_(what == For::steps ? find_fastest_mode(model, networks_, now_) : FastestMode{}),
       observer_(model, networks_, end_of_step_.equations().joint_system()) {
-    engine_.stops.resize(model.joints.size());
     fastest_turning_.held.resize(model.bodies.size());
-    for (const Joint& joint : model.joints) engine_.has_stops = engine_.has_stops || joint.limits;
     for (const Element& element : model.elements)
         for (const Attachment& end : element.ends)
             if (end.body >= 0) fastest_turning_.held[as_size(end.body)] = true;
@@ -144,8 +140,7 @@ void Simulation::begin_step() {
 
 void Simulation::observe_rest() {
     begin_step();
-    world_.find_stops(step_size_, engine_.stops);
-    end_of_step_.solve(now_, networks_, engine_.stops);
+    end_of_step_.solve(now_, networks_);
     after_ = end_of_step_.predicted();
     networks_.commit_step(after_);
     observe();
@@ -173,36 +168,17 @@ void Simulation::centre(Simulation& above, Simulation& below, const Simulation& 
     middle.networks_.centre(above.networks_, below.networks_);
     for (size_t b = 0; b < middle.now_.size(); ++b) centre_body(above.now_[b], below.now_[b], middle.now_[b]);
     for (Simulation* one : {&above, &below})
-        if (one->engine_.is_asked) one->world_.set_states(one->now_);
+        if (one->asks_ode_) one->world_.set_states(one->now_);
 }
 
-/// Finds the end of the step and has ODE move the bodies there. ODE decides which stops act: where it differs, the step is
-/// done again with its choice.
+/// Finds the end of the step and has ODE move the bodies there.
 void Simulation::move_bodies() {
-    if (!engine_.is_asked) {
-        end_of_step_.solve(now_, networks_, engine_.stops);
-        return end_of_step_.write_end(now_, after_);
-    }
-    world_.find_stops(step_size_, engine_.stops);
-    if (engine_.has_stops) world_.save(engine_.saved);
-    for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
-        world_.apply(end_of_step_.solve(now_, networks_, engine_.stops));  // calls evaluate at will
-        world_.advance(step_size_, end_of_step_.predicted(), end_of_step_.singular_position().let_go());
-        ++engine_.steps;
-        world_.read_states(after_);
-        if (std::ranges::equal(world_.stops(), engine_.stops, {}, &Stop::acts, &Stop::acts)) {
-            if (end_of_step_.agrees(after_) || !end_of_step_.leaves_stops()) return end_of_step_.confirm(after_);
-            end_of_step_.hold_stops();  // and once more
-        }
-        // What acts is rounding where the bodies move alike
-        if (attempt + 1 == kMostAttempts && end_of_step_.agrees(after_)) return;
-        engine_.stops = world_.stops();
-        world_.restore(engine_.saved);
-        if (attempt == kMostAttempts / 2) end_of_step_.hold_stops();
-    }
-    throw Error(
-        ExitCode::numerical_failure,
-        fmt::format("t = {:.9g} s: no set of stops was found that ODE agrees to in {} tries", time(), kMostAttempts));
+    const BodyVectors& wrenches = end_of_step_.solve(now_, networks_);  // calls evaluate at will
+    if (!asks_ode_) return end_of_step_.write_end(now_, after_);
+    world_.apply(wrenches);
+    world_.advance(step_size_, end_of_step_.predicted(), end_of_step_.singular_position().let_go());
+    world_.read_states(after_);
+    end_of_step_.confirm(after_);
 }
 
 void Simulation::observe() {

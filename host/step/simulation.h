@@ -55,9 +55,8 @@ public:
     /// One time step. Throws Error(numerical_failure) when the motion diverges, naming time, body and ω h.
     void step();
 
-    /// From now on bodies move as predicted and ODE is not asked, unless joints have stops, on which it has the last word:
-    /// for a run whose difference from another counts.
-    void leave_ode() { engine_.is_asked = engine_.has_stops; }
+    /// From now on bodies move as predicted and ODE is not asked: for a run whose difference from another counts.
+    void leave_ode() { asks_ode_ = false; }
     /// Moves the states of two runs, of models that differ from that of `middle` in numbers only, to equal distances from
     /// its own. All three are at the start of the same step. Throws as Networks::centre() does.
     static void centre(Simulation& above, Simulation& below, const Simulation& middle);
@@ -91,9 +90,6 @@ public:
     /// Of an explicit coupling.
     const std::optional<ExplicitLimit>& explicit_limit() const { return limit_; }
 
-    /// Steps that ODE has done, those done again because other stops acted than predicted included.
-    uint64_t engine_steps() const { return engine_.steps; }
-
 private:
     const Instant& start();
     void refuse_jumps_of_supports() const;
@@ -121,14 +117,7 @@ private:
     Observer observer_;  ///< made last: finding the fastest vibration takes much memory
     RowSink sink_;
     TraceSink trace_;
-    /// What ODE is asked for, and has been.
-    struct Engine {
-        World::Saved saved;       ///< now_ as ODE has it
-        std::vector<Stop> stops;  ///< that are thought to act over the step
-        bool has_stops = false, is_asked = true;
-        uint64_t steps = 0;
-    };
-    Engine engine_;
+    bool asks_ode_ = true;
     std::vector<BodyState>
         first_after_;  ///< velocities half a step after the start that have the initial ones as their mean
 

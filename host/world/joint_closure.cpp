@@ -15,16 +15,16 @@ namespace dttmm::host {
 
 namespace {
 
-/// Of the speeds at a stop: less is no parting.
-constexpr double kParting = 1e-9;
-
 /// A pass that leaves more of the correction before is slow.
 constexpr double kSlow = 0.3;
 
 }  // namespace
 
 JointClosure::JointClosure(const std::vector<Body>& bodies, const std::vector<Joint>& joints)
-    : system_(bodies, joints), matrix_(as_int(bodies.size()), {}, system_.nodes()), factor_(matrix_) {
+    : system_(bodies, joints),
+      no_stops_(joints.size()),
+      matrix_(as_int(bodies.size()), {}, system_.nodes()),
+      factor_(matrix_) {
     for (const Body& body : bodies) {
         inertias_.emplace_back(body);
         const int index = as_int(reaches_.size());
@@ -42,25 +42,9 @@ void JointClosure::factor(const std::vector<BodyState>& now) {
     if (!factor_.factor(matrix_)) fail();
 }
 
-/// A stop has acted unless the motion lets the joint part from it; true if one has parted.
-bool JointClosure::judge(std::vector<Stop>& stops, double h, const std::vector<BodyState>& motion) const {
-    bool parted = false;
-    for (size_t j = 0; j < stops.size(); ++j) {
-        if (!stops[j].acts) continue;
-        const double speed = system_.coordinate_speed(j, motion);
-        const double parting = stops[j].side * (speed - stops[j].speed) - Stop::kPlay / h;  // ODE's stop has no play
-        stops[j].acts = parting <= kParting * (std::abs(speed) + std::abs(stops[j].speed) + Stop::kPlay / h);
-        parted = parted || !stops[j].acts;
-    }
-    return parted;
-}
-
 void JointClosure::close(const std::vector<BodyState>& now, double h, const LetGo& let_go,
-                         const std::vector<BodyState>& predicted, std::vector<Stop>& stops, std::vector<BodyState>& after) {
-    system_.linearise(now, now, stops, let_go);
-    // A stop at a dead centre lets go although ODE holds it. Without ODE's joints the motion says what parts
-    const bool parted = !let_go.empty() && judge(stops, h, after), held = !judge(stops, h, predicted);
-    if (parted || !held) system_.linearise(now, now, stops, let_go);
+                         const std::vector<BodyState>& predicted, std::vector<BodyState>& after) {
+    system_.linearise(now, now, no_stops_, let_go);
     factor(now);
     double before = std::numeric_limits<double>::infinity();  // the correction of the last pass
     for (int pass = 0;; ++pass) {

@@ -22,23 +22,22 @@ public:
     JointClosure(const std::vector<Body>& bodies, const std::vector<Joint>& joints);
 
     /// now: poses at t_n, joints closed. let_go: equations of joints that do not hold over the step. predicted: velocities
-    /// over the step that close the joints. stops: those reached at t_n; on return those that ODE has made act and that
-    /// `predicted` does not part from. after: ODE's velocities over the step; poses and velocities are set. Throws
+    /// over the step that close the joints. after: ODE's velocities over the step; poses and velocities are set. Throws
     /// Error(numerical_failure) naming the joint that does not follow.
     void close(const std::vector<BodyState>& now, double h, const LetGo& let_go, const std::vector<BodyState>& predicted,
-               std::vector<Stop>& stops, std::vector<BodyState>& after);
+               std::vector<BodyState>& after);
 
 private:
     static constexpr int kMostPasses = 60;
     double correct(std::vector<BodyState>& after);
     void factor(const std::vector<BodyState>& now);
-    bool judge(std::vector<Stop>& stops, double h, const std::vector<BodyState>& motion) const;
     [[noreturn]] void fail() const;
 
     std::vector<Inertia> inertias_;
     std::vector<double> reaches_;  ///< of the anchors and of the mass from the centre of mass [m]
     std::vector<std::string> names_;
     JointSystem system_;
+    std::vector<Stop> no_stops_;  ///< none acts
     BlockMatrix matrix_;
     BlockFactor factor_;
     Eigen::VectorXd right_hand_side_, solution_;

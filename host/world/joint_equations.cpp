@@ -91,7 +91,7 @@ JointEquations::Values JointEquations::residual(const std::vector<BodyState>& at
     int row = 0;
     for (const AnchorEquation& equation : anchors_) C(row++) = direction(equation, first).dot(gap);
     for (const AngleEquation& equation : angles_) C(row++) = (first.rotation * equation.u).dot(second.rotation * equation.w);
-    if (is_driven_) C(row) = turns_ ? std::remainder(coordinate(at) - driven_to, 2 * M_PI) : coordinate(at) - driven_to;
+    if (is_driven_) C(row) = way(driven_to, coordinate(at));
     return C;
 }
 
@@ -135,7 +135,7 @@ JointEquations::Values JointEquations::curvature(const std::vector<BodyState>& a
     const Eigen::Vector3d gap = second.position + r2 - first.position - r1;
     const Eigen::Vector3d gap_rate = second.velocity + w2.cross(r2) - first.velocity - w1.cross(r1);
     const Eigen::Vector3d gap_curvature = w2.cross(w2.cross(r2)) - w1.cross(w1.cross(r1));
-    Values rate(lasting());
+    Values rate(count());
     const auto along = [&](const Eigen::Vector3d& d, bool on_first) {
         return d.dot(gap_curvature) + (on_first ? 2 * w1.cross(d).dot(gap_rate) + w1.cross(w1.cross(d)).dot(gap) : 0);
     };
@@ -145,7 +145,7 @@ JointEquations::Values JointEquations::curvature(const std::vector<BodyState>& a
         const Eigen::Vector3d u = first.rotation * equation.u, w = second.rotation * equation.w;
         rate(row++) = w1.cross(w1.cross(u)).dot(w) + 2 * w1.cross(u).dot(w2.cross(w)) + u.dot(w2.cross(w2.cross(w)));
     }
-    if (is_driven_) {
+    if (has_stops_ || is_driven_) {
         const Eigen::Vector3d a = first.rotation * axis_;
         rate(row) = turns_ ? w1.cross(a).dot(w2 - w1) : along(a, true);
     }

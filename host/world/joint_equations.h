@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "model/index.h"
@@ -49,14 +50,15 @@ public:
         return row < as_int(anchors_.size()) || (is_driven_ && row == coordinate_row() && !turns_);
     }
     bool has_stops() const { return has_stops_; }
-    const std::array<double, 2>& stops() const { return stops_; }  ///< lower and upper [rad, m]
+    /// Coordinate of the lower stop, side 1, or of the upper, side −1 [rad, m].
+    double stop(int side) const { return stops_[side > 0 ? 0 : 1]; }
 
     /// C [m, rad] of the lasting equations. driven_to: the coordinate that the motor asks for; angles differ by half a turn
     /// at most.
     Values residual(const std::vector<BodyState>& at, double driven_to = 0) const;
     /// ∂Ċ/∂(velocities), the last row that of the coordinate where there are stops or a motor; zero for the ground.
     Jacobian jacobian(const std::vector<BodyState>& at) const;
-    /// C̈ of the lasting equations while both bodies keep their velocities.
+    /// C̈ of all equations while both bodies keep their velocities.
     Values curvature(const std::vector<BodyState>& at) const;
 
     /// From the centre of mass of the body on a side to the anchor [m].
@@ -68,6 +70,8 @@ public:
     bool has_coordinate() const { return has_coordinate_; }
     bool turns() const { return turns_; }  ///< the coordinate is an angle
     double coordinate(const std::vector<BodyState>& at) const;
+    /// The way from one coordinate to another, of angles at most half a turn.
+    double way(double from, double to) const { return turns_ ? std::remainder(to - from, 2 * M_PI) : to - from; }
     /// The rate of a coordinate that has stops or a motor, with the velocities of `moving` in the positions `at` [rad/s,
     /// m/s].
     double coordinate_speed(const std::vector<BodyState>& at, const std::vector<BodyState>& moving) const;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "model/index.h"
+#include "world/inertia.h"
 
 namespace dttmm::host {
 
@@ -99,7 +100,7 @@ void JointSystem::write_openings(const BlockMatrix& matrix, const std::vector<Bo
         const JointEquations& joint = joints_[j];
         const int start = matrix.joint_index(as_int(j));
         rows.segment(start, joint.lasting()) = joint.residual(end, drives_[j].end) / -h;
-        if (joint.has_stops()) rows(start + joint.lasting()) = stops_[j].speed - coordinate_speed(j, end);
+        if (joint.has_stops()) rows(start + joint.lasting()) = joint.way(joint.coordinate(end), stops_[j].end) / h;
         for (int row = 0; row < joint.count(); ++row)
             if (is_idle(j, row)) rows(start + row) = 0;
     }
@@ -117,10 +118,9 @@ void JointSystem::write_curvatures(const BlockMatrix& matrix, const std::vector<
     for (size_t j = 0; j < joints_.size(); ++j) {
         const JointEquations& joint = joints_[j];
         const int start = matrix.joint_index(as_int(j));
-        rows.segment(start, joint.lasting()) = -joint.curvature(at);
+        rows.segment(start, joint.count()) = -joint.curvature(at);
         if (joint.is_driven()) rows(start + joint.coordinate_row()) += drives_[j].acceleration;
-        if (joint.has_stops()) rows(start + joint.lasting()) = 0;
-        for (int row = 0; row < joint.lasting(); ++row)
+        for (int row = 0; row < joint.count(); ++row)
             if (is_idle(j, row)) rows(start + row) = 0;
     }
 }
@@ -136,6 +136,35 @@ void JointSystem::add_impulses(const BlockMatrix& matrix, const Eigen::VectorXd&
 
 Eigen::Matrix<double, 6, 1> JointSystem::impulse(size_t joint, JointEquations::Side side, const double* q) const {
     return -(jacobians_[joint][side].transpose() * Eigen::Map<const Eigen::VectorXd>(q, joints_[joint].count()));
+}
+
+void JointSystem::find_stops(const std::vector<BodyState>& now, const std::vector<Stop>& before,
+                             std::vector<Stop>& stops) const {
+    for (size_t j = 0; j < joints_.size(); ++j) {
+        const JointEquations& joint = joints_[j];
+        if (!joint.has_stops()) continue;
+        Stop& stop = stops[j] = {before[j].start, joint.coordinate(now)};
+        for (int side : {1, -1}) {
+            if (side * (stop.start - joint.stop(side)) > 0) continue;
+            stop.acts = true;
+            stop.end = joint.stop(side) - side * Stop::kPlay;
+            stop.side = side;
+        }
+    }
+}
+
+/// The impulse −q on the coordinate must have the sign of the stop's side.
+bool JointSystem::release_pulling_stops(const BlockMatrix& matrix, const Eigen::VectorXd& multipliers,
+                                        std::vector<Stop>& stops) const {
+    const double weak = kRounding * multipliers.cwiseAbs().maxCoeff();
+    bool changed = false;
+    for (size_t j = 0; j < stops.size(); ++j) {
+        if (!stops[j].acts || stops[j].left > 0) continue;
+        if (stops[j].side * multipliers(matrix.joint_index(as_int(j)) + joints_[j].lasting()) <= weak) continue;
+        stops[j].let_go();
+        changed = true;
+    }
+    return changed;
 }
 
 double JointSystem::opening_speed(size_t joint, const std::vector<BodyState>& at) const {

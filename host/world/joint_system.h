@@ -12,18 +12,20 @@
 
 namespace dttmm::host {
 
-/// The stop of a hinge or slider over a step. While it acts, the coordinate moves at `speed` [rad/s, m/s], which brings it
-/// to kPlay beyond the stop, so that a joint at rest on its stop has reached it whatever the rounding; it pushes one way
-/// only.
+/// The stop of a hinge or slider over a step. While it acts, it brings the coordinate to kPlay beyond the stop, so that a
+/// joint at rest on its stop has reached it whatever the rounding; it pushes one way only.
 struct Stop {
     static constexpr double kPlay = 1e-12;  ///< [rad, m]
+    double before = 0, start = 0;           ///< the coordinate at t_{n−1} and at t_n [rad, m]
     bool acts = false;
-    double speed = 0;
+    double end = 0;            ///< where one that acts brings the coordinate by t_{n+1} [rad, m]
     int side = 0;              ///< 1: the lower stop, which pushes the coordinate up; −1: the upper
-    bool is_foreseen = false;  ///< reached within the step, or left in it: ODE does not see it
+    bool is_foreseen = false;  ///< reached within the step, or left in it
     double share = 0;          ///< of the step after which a foreseen one is reached
-    double arrival = 0;        ///< how fast the coordinate came [rad/s, m/s]
+    double arrival = 0;        ///< how far the coordinate would have gone over the step in which it came [rad, m]
     int left = 0;              ///< the machine leaves it, as many steps after that in which it was reached; 0: it does not
+
+    void let_go() { *this = {before, start}; }
 };
 
 /// What a motor asks of the coordinate of its joint [rad, m] around a step from t_n to t_{n+1}.
@@ -39,7 +41,7 @@ using LetGo = std::vector<unsigned>;
 
 /// All ideal joints of a model, linearised at t_n, as rows of a BlockMatrix. Over the step they act by impulses −Jᵀ q along
 /// the directions of t_n, such that the joints are closed at its end:
-///     P(u) + Jᵀ q = (momentum without joints),     C(x_n + h u) = 0,     J u = speed for a stop that acts.
+///     P(u) + Jᵀ q = (momentum without joints),     C(x_n + h u) = 0,     coordinate = that of its stop, where one acts.
 /// This is the SHAKE form of the leap-frog scheme: second order, reversible in time, no drift of the joints.
 /// Source: Ryckaert, Ciccotti and Berendsen (1977), J. Comput. Phys. 23, 327–341.
 ///
@@ -84,8 +86,8 @@ public:
     /// keeps.
     double coordinate_speed(size_t joint, const std::vector<BodyState>& end) const;
 
-    /// Writes −C(end)/h [m/s, rad/s], and speed − J u for stops, into the joints' rows of a right-hand side. `end`: poses at
-    /// the end of the step, velocities u over it.
+    /// Writes −C(end)/h [m/s, rad/s], likewise of stops, into the joints' rows of a right-hand side. `end`: poses at the end
+    /// of the step.
     void write_openings(const BlockMatrix& matrix, const std::vector<BodyState>& end, double h, Eigen::VectorXd& rows) const;
     /// Writes J (u' − u) for velocities u' of `wanted` and u of `end`.
     void write_speeds(const BlockMatrix& matrix, const std::vector<BodyState>& end, const std::vector<BodyState>& wanted,
@@ -96,6 +98,13 @@ public:
     void add_impulses(const BlockMatrix& matrix, const Eigen::VectorXd& multipliers, Eigen::VectorXd& rows) const;
     /// The impulse −Jᵀ q of one joint on its body on that side.
     Eigen::Matrix<double, 6, 1> impulse(size_t joint, JointEquations::Side side, const double* q) const;
+
+    // Of stops, one per joint:
+    /// Those reached at t_n. before: those of the step before.
+    void find_stops(const std::vector<BodyState>& now, const std::vector<Stop>& before, std::vector<Stop>& stops) const;
+    /// Lets go those whose multipliers pull, the joints' rows of `multipliers`; true if there are any.
+    bool release_pulling_stops(const BlockMatrix& matrix, const Eigen::VectorXd& multipliers,
+                               std::vector<Stop>& stops) const;
 
     /// Largest speed at which a joint opens at the instant `at` [m/s, rad/s].
     double opening_speed(size_t joint, const std::vector<BodyState>& at) const;

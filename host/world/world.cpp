@@ -26,10 +26,6 @@ std::atomic<int> complaints{0};
 /// CFM of ODE's joints over the largest mobility of a body: enough for redundant joints; JointClosure makes up for it.
 constexpr double kSoftness = 1e-10;
 
-/// A force along a joint's coordinate that is a smaller share of the joint's force is rounding.
-/// Range 1e-15 or less to 1e-6 or more: no test bounds it.
-constexpr double kForceRounding = 1e-12;
-
 std::string format_text(const char* text, va_list arguments) {
     char buffer[512];
     std::vsnprintf(buffer, sizeof buffer, text, arguments);
@@ -46,12 +42,6 @@ void on_failure(int number, const char* text, va_list arguments) {
 dBodyID body_id(void* id) { return static_cast<dBodyID>(id); }
 
 }  // namespace
-
-/// What ODE's joint does to its first body over a step, and where the joint was at its start.
-struct World::StopForce {
-    dJointFeedback force{};
-    Eigen::Vector3d axis, arm;  ///< of the first body: its anchor from its centre of mass [m, world]
-};
 
 /// ODE's process-wide state: initialised with the first world, closed with the last.
 class World::Library {
@@ -114,18 +104,14 @@ World::World(const std::vector<Body>& bodies, const std::vector<Joint>& joints) 
             largest_mobility = std::max({largest_mobility, 1 / body.mass, 1 / body.inertia.diagonal().minCoeff()});
         }
     dWorldSetERP(world_->id(), 1);
-    dWorldSetCFM(world_->id(), kSoftness * largest_mobility);  // a hinge's own parameter is that of its stops only
-    for (const Joint& joint : joints) create_joint(joint, kSoftness * largest_mobility);
-    stops_.resize(joints.size());
-    stop_forces_.resize(joints.size());
-    for (size_t j = 0; j < joints.size(); ++j)
-        if (joints_[j].has_stops) dJointSetFeedback(static_cast<dJointID>(joints_[j].id), &stop_forces_[j].force);
+    dWorldSetCFM(world_->id(), kSoftness * largest_mobility);
+    for (const Joint& joint : joints) create_joint(joint);
     before_.resize(bodies.size());
     after_.resize(bodies.size());
     closure_ = std::make_unique<JointClosure>(bodies, joints);
 }
 
-void World::create_joint(const Joint& joint, double cfm) {
+void World::create_joint(const Joint& joint) {
     // ODE wants a body first. Its coordinate is that of its first body seen from its second: so the joint's second body, if
     // there is one, goes first; else the axis is turned round.
     const bool swapped = joint.second >= 0;
@@ -167,19 +153,8 @@ void World::create_joint(const Joint& joint, double cfm) {
             dJointSetFixed(id);
             break;
     }
-    JointHandle handle{id, false, joint.type == JointType::hinge, joint.drive.has_value(), 0, 0};
-    if (joint.drive) (handle.turns ? dJointSetHingeParam : dJointSetSliderParam)(id, dParamFMax, dInfinity);
-    if (joint.limits && (joint.type == JointType::hinge || joint.type == JointType::slider)) {
-        handle.has_stops = true;
-        handle.lower = (*joint.limits)[0];
-        handle.upper = (*joint.limits)[1];
-        const auto set = handle.turns ? dJointSetHingeParam : dJointSetSliderParam;
-        set(id, dParamLoStop, handle.lower);
-        set(id, dParamHiStop, handle.upper);
-        set(id, dParamStopERP, 1);
-        set(id, dParamStopCFM, cfm);
-        set(id, dParamBounce, 0);
-    }
+    const JointHandle handle{id, joint.type == JointType::hinge, joint.drive.has_value()};
+    if (handle.is_driven) (handle.turns ? dJointSetHingeParam : dJointSetSliderParam)(id, dParamFMax, dInfinity);
     joints_.push_back(handle);
 }
 
@@ -236,50 +211,6 @@ void World::drive(const std::vector<Drive>& drives) {
                                                                             drives[j].speed);
 }
 
-void World::find_stops(double h, std::vector<Stop>& stops) const {
-    for (size_t j = 0; j < joints_.size(); ++j) {
-        const JointHandle& joint = joints_[j];
-        stops[j] = {};
-        if (!joint.has_stops) continue;
-        const auto id = static_cast<dJointID>(joint.id);
-        const double coordinate = joint.turns ? dJointGetHingeAngle(id) : dJointGetSliderPosition(id);
-        if (coordinate <= joint.lower)
-            stops[j] = {true, (joint.lower - Stop::kPlay - coordinate) / h, 1};
-        else if (coordinate >= joint.upper)
-            stops[j] = {true, (joint.upper + Stop::kPlay - coordinate) / h, -1};
-    }
-}
-
-/// Takes where joints are that have reached a stop.
-void World::watch_stops() {
-    for (size_t j = 0; j < joints_.size(); ++j) {
-        if (!stops_[j].acts) continue;
-        const auto id = static_cast<dJointID>(joints_[j].id);
-        StopForce& watched = stop_forces_[j];
-        watched.arm.setZero();
-        dVector3 axis, anchor;
-        if (joints_[j].turns) {
-            dJointGetHingeAxis(id, axis);
-            dJointGetHingeAnchor(id, anchor);
-            watched.arm = Eigen::Map<Eigen::Vector3d>(anchor) -
-                          Eigen::Map<const Eigen::Vector3d>(dBodyGetPosition(dJointGetBody(id, 0)));
-        } else {
-            dJointGetSliderAxis(id, axis);
-        }
-        watched.axis = Eigen::Map<Eigen::Vector3d>(axis);
-    }
-}
-
-/// Whether ODE's joint had a force along its coordinate over the step: only its stop has one. Of the others rounding is
-/// left.
-bool World::pushes(size_t joint) const {
-    const StopForce& watched = stop_forces_[joint];
-    const Eigen::Map<const Eigen::Vector3d> force(watched.force.f1), moment(watched.force.t1);
-    if (!joints_[joint].turns) return std::abs(watched.axis.dot(force)) > kForceRounding * force.norm();
-    const double along = watched.axis.dot(moment - watched.arm.cross(force));
-    return std::abs(along) > kForceRounding * (moment.norm() + watched.arm.norm() * force.norm());
-}
-
 /// ODE's own, with or without its joints; 0 if it ran out of memory.
 int World::step(double h, bool with_joints) {
     if (with_joints) return dWorldStep(world_->id(), h);
@@ -291,11 +222,7 @@ int World::step(double h, bool with_joints) {
 
 void World::advance(double h, const std::vector<BodyState>& predicted, const LetGo& let_go) {
     const int before = complaints;
-    if (closure_) {
-        read_states(before_);
-        find_stops(h, stops_);
-        watch_stops();
-    }
+    if (closure_) read_states(before_);
     int done = 0;
     try {
         done = step(h, let_go.empty());
@@ -307,36 +234,8 @@ void World::advance(double h, const std::vector<BodyState>& predicted, const Let
     if (complaints != before) throw Error(ExitCode::numerical_failure, "ODE reported a numerical problem during the step");
     if (!closure_) return;
     read_states(after_);
-    if (let_go.empty())
-        for (size_t j = 0; j < stops_.size(); ++j) stops_[j].acts = stops_[j].acts && pushes(j);
-    closure_->close(before_, h, let_go, predicted, stops_, after_);
+    closure_->close(before_, h, let_go, predicted, after_);
     set_states(after_);
-}
-
-void World::save(Saved& saved) {
-    saved.bodies.resize(bodies_.size());
-    saved.stops = stops_;
-    for (size_t b = 0; b < bodies_.size(); ++b) {
-        Saved::Body& body = saved.bodies[b];
-        std::copy_n(bodies_[b].position, 3, body.position);
-        std::copy_n(dBodyGetQuaternion(body_id(bodies_[b].id)), 4, body.quaternion);
-        std::copy_n(bodies_[b].velocity, 3, body.velocity);
-        std::copy_n(bodies_[b].angular_velocity, 3, body.angular_velocity);
-        set_saved(b, body);
-    }
-}
-
-void World::restore(const Saved& saved) {
-    for (size_t b = 0; b < bodies_.size(); ++b) set_saved(b, saved.bodies[b]);
-    stops_ = saved.stops;
-}
-
-void World::set_saved(size_t body, const Saved::Body& saved) {
-    const dBodyID id = body_id(bodies_[body].id);
-    dBodySetPosition(id, saved.position[0], saved.position[1], saved.position[2]);
-    dBodySetQuaternion(id, saved.quaternion);
-    dBodySetLinearVel(id, saved.velocity[0], saved.velocity[1], saved.velocity[2]);
-    dBodySetAngularVel(id, saved.angular_velocity[0], saved.angular_velocity[1], saved.angular_velocity[2]);
 }
 
 }  // namespace dttmm::host

@@ -48,31 +48,11 @@ public:
     /// Where equations of joints are let go, all joints are left to JointClosure. Throws Error(resource_limit) if ODE ran
     /// out of memory, Error(numerical_failure) if it complained or a joint does not close.
     void advance(double h, const std::vector<BodyState>& predicted = {}, const LetGo& let_go = {});
-    /// The stops that are reached now, one per joint in the model's order, and may act over a step of size h.
-    void find_stops(double h, std::vector<Stop>& stops) const;
-    /// Those that acted over the last step.
-    const std::vector<Stop>& stops() const { return stops_; }
-
-    /// The whole state that changes from step to step. ODE normalises a quaternion whenever it is set, which may change its
-    /// last bit: save() therefore sets every body anew to what it reads, so that the world goes on from the very numbers
-    /// that restore() sets later, and both futures agree to the bit.
-    struct Saved {
-        struct Body {
-            double position[3], quaternion[4], velocity[3], angular_velocity[3];
-        };
-        std::vector<Body> bodies;
-        std::vector<Stop> stops;
-    };
-    void save(Saved& saved);
-    void restore(const Saved& saved);
 
 private:
     void set_state(size_t body, const BodyState& state);
-    void set_saved(size_t body, const Saved::Body& saved);
-    void create_joint(const Joint& joint, double cfm);
+    void create_joint(const Joint& joint);
     int step(double h, bool with_joints);
-    void watch_stops();
-    bool pushes(size_t joint) const;
     class Library;
     class Owner;
     /// ODE's handle of a body, and where ODE keeps its numbers.
@@ -83,16 +63,12 @@ private:
     std::unique_ptr<Owner> world_;
     std::vector<Handle> bodies_;
 
-    /// A joint of ODE's. The stops of a hinge or slider are its own, in ODE's coordinate.
+    /// A joint of ODE's, without its stops.
     struct JointHandle {
         void* id;
-        bool has_stops, turns, is_driven;
-        double lower, upper;  ///< [rad, m]
+        bool turns, is_driven;
     };
     std::vector<JointHandle> joints_;
-    struct StopForce;
-    std::vector<StopForce> stop_forces_;  ///< of the joints; those without stops have none
-    std::vector<Stop> stops_;
     std::vector<BodyState> before_, after_;
     std::unique_ptr<JointClosure> closure_;  ///< none without joints
 };

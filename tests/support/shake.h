@@ -11,9 +11,9 @@
 namespace dttmm::test {
 
 /// The motion over a step of the SHAKE scheme by dense algebra: u = u₋ + h M⁻¹ w − M⁻¹ Jᵀ q with the joints closed at its
-/// end, poses included. `stops`: those that act hold their speed. now: velocities over the step before. Oracle of World.
+/// end, poses included. now: velocities over the step before. Oracle of World.
 inline std::vector<BodyState> shake(const std::vector<Body>& bodies, const std::vector<Joint>& joints,
-                                    const std::vector<BodyState>& now, const std::vector<Stop>& stops,
+                                    const std::vector<BodyState>& now,
                                     const std::vector<Eigen::Matrix<double, 6, 1>>& wrenches, double h) {
     const auto n = static_cast<Eigen::Index>(bodies.size());
     Eigen::VectorXd u(6 * n);
@@ -38,7 +38,7 @@ inline std::vector<BodyState> shake(const std::vector<Body>& bodies, const std::
         for (size_t j = 0; j < joints.size(); ++j) {
             const JointEquations joint(joints[j], bodies);
             const auto jacobian = joint.jacobian(now);
-            const int rows = joint.lasting() + (joint.has_stops() && stops[j].acts ? 1 : 0);
+            const int rows = joint.lasting();
             const Eigen::Index first = J.rows();
             J.conservativeResize(first + rows, Eigen::NoChange);
             J.bottomRows(rows).setZero();
@@ -46,8 +46,7 @@ inline std::vector<BodyState> shake(const std::vector<Body>& bodies, const std::
                 if (const int body = joint.bodies()[side]; body >= 0)
                     J.block(first, 6 * body, rows, 6) = jacobian[side].topRows(rows);
             lacking.conservativeResize(first + rows);
-            lacking.segment(first, joint.lasting()) = joint.residual(end) / -h;
-            if (rows > joint.lasting()) lacking(first + rows - 1) = stops[j].speed - J.row(first + rows - 1).dot(u);
+            lacking.tail(rows) = joint.residual(end) / -h;
         }
         const Eigen::MatrixXd mobility = J * M.inverse() * J.transpose();
         u += M.inverse() * J.transpose() * mobility.completeOrthogonalDecomposition().solve(lacking);

@@ -8,7 +8,6 @@
 
 #include "model/error.h"
 #include "support/bodies.h"
-#include "support/shake.h"
 
 namespace dttmm::host {
 namespace {
@@ -105,61 +104,6 @@ TEST(World, WorldsComeAndGo) {
         first.advance(1e-3);
         second.advance(1e-3);
     }
-}
-
-// Both futures of a saved world agree to the bit: that of the world that was saved, and the one it is restored to. Chain of
-// a hinge, a ball and a slider on stops, with forces; also a free body. Setting poses that were merely read would not do:
-// ODE normalises every quaternion that is set.
-TEST(World, RestoredWorldRepeatsItsFutureToTheBit) {
-    std::vector<Body> bodies;
-    for (int i = 0; i < 4; ++i) {
-        bodies.push_back(ugly_body());
-        bodies.back().position = Eigen::Vector3d(1, 2, 3) + 0.4 * i * Eigen::Vector3d(1, -1, 0.5);
-        bodies.back().velocity.setZero();
-        bodies.back().angular_velocity.setZero();
-    }
-    std::vector<Joint> joints(3);
-    joints[0] = test::pin("hinge", -1, 0, {0.9, 2, 3}, {0, 0.6, 0.8});
-    joints[0].limits = {-0.2, 0.3};
-    joints[1] = test::pin("ball", 0, 1, {1.2, 1.8, 3.1}, {1, 0, 0});
-    joints[1].type = JointType::ball;
-    joints[2] = test::pin("slider", 1, 2, {1.6, 1.4, 3.3}, {0.6, 0, 0.8});
-    joints[2].type = JointType::slider;
-    joints[2].limits = {-0.01, 0.02};
-    World world(bodies, joints);
-    std::vector<BodyState> state(4);
-    std::vector<Wrench> wrenches(4);
-    bool stop_acted = false;
-    const auto run = [&](int from, int steps) {
-        std::vector<std::vector<BodyState>> path;
-        for (int n = from; n < from + steps; ++n) {
-            for (size_t b = 0; b < 4; ++b)
-                wrenches[b] << 9.0 * std::sin(0.01 * n), -4, -20.0 + 3.0 * static_cast<double>(b), 0.1, 0.2, -0.3;
-            world.apply(wrenches);
-            world.read_states(state);
-            std::vector<Stop> stops(3);
-            world.find_stops(2e-3, stops);
-            world.advance(2e-3, test::shake(bodies, joints, state, stops, wrenches, 2e-3));
-            world.read_states(state);
-            path.push_back(state);
-            for (const Stop& stop : world.stops()) stop_acted = stop_acted || stop.acts;
-        }
-        return path;
-    };
-    run(0, 700);
-    World::Saved saved;
-    world.save(saved);
-    const auto first = run(700, 1500);
-    world.restore(saved);
-    const auto second = run(700, 1500);
-    EXPECT_TRUE(stop_acted);
-    for (size_t n = 0; n < first.size(); ++n)
-        for (size_t b = 0; b < 4; ++b) {
-            ASSERT_EQ(first[n][b].position, second[n][b].position) << "step " << n << ", body " << b;
-            ASSERT_EQ(first[n][b].rotation, second[n][b].rotation) << "step " << n << ", body " << b;
-            ASSERT_EQ(first[n][b].velocity, second[n][b].velocity) << "step " << n << ", body " << b;
-            ASSERT_EQ(first[n][b].angular_velocity, second[n][b].angular_velocity) << "step " << n << ", body " << b;
-        }
 }
 
 }  // namespace

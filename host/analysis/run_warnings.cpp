@@ -15,6 +15,7 @@
 #include "analysis/law_limits.h"
 #include "coupling/stability.h"
 #include "model/index.h"
+#include "model/wording.h"
 
 namespace dttmm::host {
 
@@ -243,6 +244,17 @@ void warn_singular_positions(const Simulation& simulation, const Model& model, W
                     passed.time, model.joints[passed.joint].name, passed.steps));
 }
 
+/// Impacts that the step does not tell apart.
+void warn_lost_impacts(const Simulation& simulation, const Model& model, Warnings& warnings) {
+    const EndOfStep::LostImpacts& lost = simulation.end_of_step().lost_impacts();
+    if (lost.steps == 0) return;
+    warnings.add("impacts-together",
+                 fmt::format("two stops are reached within two steps, the first time at t = {:.4g} s (joint \"{}\"), {} in "
+                             "all: the later impact draws the machine off the earlier stop, which has not taken all of the "
+                             "speed yet. Speeds after it are wrong by a part of that; a smaller step parts them",
+                             lost.time, model.joints[lost.joint].name, counted(as_size(lost.steps), "time", "times")));
+}
+
 /// A run to a tolerance that could not begin at the step asked for.
 void warn_skipped(const Halving& halving, Warnings& warnings) {
     if (halving.first_step() != halving.asked_step())
@@ -270,6 +282,7 @@ void warn_of_run(Session& session, const Simulation& simulation, const Recorder&
     warn_energy(recorder, session.model, simulation, session.fast_loads, warnings);
     warn_limits(simulation.limits(), simulation.channels(), "", warnings);
     warn_singular_positions(simulation, session.model, warnings);
+    warn_lost_impacts(simulation, session.model, warnings);
     warn_rows(recorder, session.model, simulation, warnings);
     if (!session.halving) return warn_ripple(recorder, session, warnings);
     warn_skipped(*session.halving, warnings);

@@ -40,9 +40,12 @@ std::vector<BodyState> EndOfStep::start(double h, const std::vector<BodyState>& 
 void EndOfStep::begin_step(const dttmm_step& step, const std::vector<BodyState>& now, const Loads& loads) {
     open_ = {step.index, step.time};
     stops_before_ = stops_;
+    may_leave_stops_ = true;
+    lets_go_struck_ = false;
     std::ranges::fill(wrenches_, 0.0);
     loads.add_over_step(now, wrenches_.data());
     equations_.begin_step(now, wrenches_);
+    equations_.follow_impact(now, previous_u_, stops_before_);
     for (size_t b = 0; b < now.size(); ++b) {
         Eigen::Matrix<double, 6, 1> before;
         before << now[b].velocity, now[b].angular_velocity;
@@ -67,6 +70,7 @@ const BodyVectors& EndOfStep::solve(const std::vector<BodyState>& now, Networks&
     }
     if (open_.passes > worst_.passes) worst_ = report();
     singular_.count(open_.time);
+    see_lost_impacts();
     if (!joints_.empty()) equations_.move(now, equations_.h(), trial_);
     equations_.write_feedback(now, feedback_);
     return feedback_;
@@ -106,13 +110,40 @@ bool EndOfStep::find_end(const std::vector<BodyState>& now, Networks& networks) 
         if (!done || pass < first_trusted || !parts_done) continue;
         if (!equations_.joint_system().has_stops()) return true;
         equations_.move(now, equations_.h(), trial_);
-        if (!equations_.release_pulling_stops(stops_) && !equations_.leave_stops(trial_, stops_before_, stops_) &&
+        if (!release_pulling_stops() && !leave_stops() &&
             !equations_.add_first_stop(trial_, reached_, stops_before_, stops_))
             return true;
         linearise_joints(now);
         first_trusted = pass + 2;
     }
     return false;
+}
+
+bool EndOfStep::release_pulling_stops() {
+    const auto struck = std::ranges::count_if(stops_, &Stop::is_struck);
+    if (!equations_.release_pulling_stops(stops_)) return false;
+    lets_go_struck_ = lets_go_struck_ || std::ranges::count_if(stops_, &Stop::is_struck) < struck;
+    return true;
+}
+
+/// Sees whether a stop that was struck in this step or in the one before lets go because another one is struck.
+void EndOfStep::see_lost_impacts() {
+    const auto struck = std::ranges::find_if(stops_, &Stop::is_struck);
+    if (struck == stops_.end()) return;
+    bool is_lost = lets_go_struck_;
+    for (size_t j = 0; j < stops_.size(); ++j) is_lost = is_lost || (stops_before_[j].is_struck() && !stops_[j].acts);
+    if (!is_lost) return;
+    if (lost_.steps++ == 0) {
+        lost_.time = open_.time;
+        lost_.joint = as_size(struck - stops_.begin());
+    }
+}
+
+/// Once in a step: where another stop ends it, it does not begin again.
+bool EndOfStep::leave_stops() {
+    if (!may_leave_stops_ || !equations_.leave_stops(trial_, stops_before_, stops_)) return false;
+    may_leave_stops_ = false;
+    return true;
 }
 
 void EndOfStep::linearise_joints(const std::vector<BodyState>& now) {

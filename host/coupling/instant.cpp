@@ -44,12 +44,13 @@ void refuse_opening_joints(const std::vector<Joint>& descriptions, const JointSy
     }
 }
 
-/// The stops on which joints rest at the start.
-std::vector<Stop> resting_stops(const JointSystem& joints, const std::vector<BodyState>& at, double h) {
+/// The stops that act from the start on: reached, and not being left.
+std::vector<Stop> stops_at_start(const JointSystem& joints, const std::vector<BodyState>& at, double h) {
     std::vector<Stop> stops(joints.joints().size());
     joints.find_stops(at, stops, stops);
     for (size_t j = 0; j < stops.size(); ++j)
-        if (stops[j].acts && std::abs(h * joints.joints()[j].coordinate_speed(at, at)) > Stop::kPlay) stops[j].let_go();
+        if (stops[j].acts && stops[j].side * h * joints.joints()[j].coordinate_speed(at, at) > Stop::kPlay)
+            stops[j].let_go();
     return stops;
 }
 
@@ -86,7 +87,7 @@ const Instant& InstantSolver::start(const Model& model, const dttmm_step& step, 
     JointSystem joints(model.bodies, model.joints);
     joints.drive(Drives(model).around(step));
     refuse_opening_joints(model.joints, joints, at, step.size);
-    std::vector<Stop> stops = resting_stops(joints, at, step.size);
+    std::vector<Stop> stops = stops_at_start(joints, at, step.size);
     do {
         joints.linearise(at, at, stops);
         factor(joints, step.time);

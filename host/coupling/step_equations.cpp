@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "coupling/step_equations.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -64,6 +65,33 @@ void StepEquations::begin_step(const std::vector<BodyState>& now, const std::vec
         free_momentum_[b].head<3>() += inertias_[b].mass * now[b].velocity;
         free_momentum_[b].tail<3>() += RotationStep(-0.5 * h_ * w).apply(L);
         if (turns_[b].is_followed) turns_[b].since.noalias() = now[b].rotation * turns_[b].then.transpose();
+    }
+}
+
+/// Over the step of an impact the bodies go straight on, with the mean of their velocities. At the impact, after a share s
+/// of it, they are off that way by s (1 - s) h times the jump of the velocities: there its impulses act along other
+/// directions, and the gyroscopic moments, of second order in the velocities, lack as much of the jump.
+void StepEquations::follow_impact(const std::vector<BodyState>& now, const BodyVectors& before,
+                                  const std::vector<Stop>& stops) {
+    const auto stop = std::ranges::find_if(stops, &Stop::is_struck);
+    if (std::ranges::count_if(stops, &Stop::is_struck) != 1) return;
+    const double s = stop->share;
+    if ((1 - s) * stop->arrival <= std::abs(stop->gain)) return;  // the jump is no larger than what forces do in a step
+    std::vector<BodyState> struck_at = now;
+    for (size_t b = 0; b < now.size(); ++b) {
+        // (1 - s) of the jump is in the step of the impact
+        const Eigen::Vector3d dv = now[b].velocity - before[b].head<3>(), dw = now[b].angular_velocity - before[b].tail<3>();
+        struck_at[b].position -= s * h_ * dv;
+        struck_at[b].rotation = RotationStep(-s * h_ * dw).apply(now[b].rotation);
+        free_momentum_[b].tail<3>() -= h_ * s / (1 - s) * dw.cross(inertias_[b].turned(now[b].rotation, dw));
+    }
+    for (size_t j = 0; j < joints_.joints().size(); ++j) {
+        const JointEquations& joint = joints_.joints()[j];
+        const JointEquations::Jacobian there = joint.jacobian(struck_at), here = joint.jacobian(now);
+        const auto q = impulses_.segment(matrix_.joint_index(as_int(j)), joint.count());
+        for (const auto side : JointEquations::kSides)
+            if (const int body = joint.bodies()[side]; body >= 0)
+                free_momentum_[as_size(body)] -= (there[side] - here[side]).transpose() * q / (1 - s);
     }
 }
 
@@ -210,23 +238,26 @@ bool StepEquations::add_first_stop(const std::vector<BodyState>& end, const std:
         for (int side : {1, -1}) {
             const double stop = joint.stop(side);
             if (side * (start + way - stop) >= -2 * Stop::kPlay) continue;  // one that acts is passed by kPlay
-            if (side * (start - stop) <= 0) {
-                if (!reached[j].acts) continue;
+            if (reached[j].acts && reached[j].side == side) {
                 stops[j] = reached[j];
                 return true;
             }
+            if (side * (start - stop) <= Stop::kPlay) continue;  // at a dead centre
+            const double gain = way - joint.way(stops[j].before, start);
             double share = (stop - start) / way;
             if (only_forces_act(before, stops, j)) {
-                const double by_force = share_of(stop - start, way, way - joint.way(stops[j].before, start));
+                const double by_force = share_of(stop - start, way, gain);
                 if (by_force >= 0 && by_force <= 1) share = by_force;
             }
             if (share >= first) continue;
             first = share;
             which = j;
-            added = {stops[j].before, start, true, stop - side * Stop::kPlay, side, true, share, std::abs(way)};
+            added = {stops[j].before, start, true, stop - side * Stop::kPlay, side, true, share, std::abs(way), gain};
         }
     }
     if (which == stops.size()) return false;
+    for (Stop& stop : stops)  // an impact elsewhere changes speeds: what is being left must not hold them
+        if (stop.left > 0) stop.let_go();
     stops[which] = added;
     return true;
 }
@@ -251,7 +282,8 @@ bool StepEquations::leave_stops(const std::vector<BodyState>& end, const std::ve
         // It leaves no faster than it came: forces then change its speed little within these steps
         if ((2.5 - reached.share) * std::abs(gain) > reached.arrival) continue;
         if (reached.side * (to - joint.stop(-reached.side)) > 0) continue;
-        stop = {stop.before, stop.start, true, to, reached.side, true, reached.share, reached.arrival, reached.left + 1};
+        stop = {stop.before, stop.start,      true, to, reached.side, true, reached.share, reached.arrival,
+                gain,        reached.left + 1};
         changed = true;
     }
     return changed;

@@ -35,6 +35,10 @@ public:
     /// Opens a step with the wrenches of the loads over it.
     void begin_step(const std::vector<BodyState>& now, const std::vector<double>& loads);
 
+    /// After begin_step(), where a stop was reached within the step before: what its impulses lack there. before: u over the
+    /// step before that, stops: those of the step before.
+    void follow_impact(const std::vector<BodyState>& now, const BodyVectors& before, const std::vector<Stop>& stops);
+
     /// The iterate: u, its last correction, and the impulses q [N s, N m s] in the joints' rows of matrix().
     BodyVectors& u() { return u_; }
     const BodyVectors& u() const { return u_; }

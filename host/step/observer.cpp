@@ -161,8 +161,8 @@ void Observer::want(std::span<const int> channels) {
 void Observer::advance(const Loads& loads, const StepEquations& step, const std::vector<BodyState>& before,
                        const std::vector<BodyState>& after, double h) {
     const double stop_loss = -step.stop_work(before, after);
-    ledger_.stop_loss += 0.5 * (ledger_.stop_loss_now + stop_loss);
-    ledger_.stop_loss_now = stop_loss;
+    if (ledger_.opened) ledger_.stop_loss += 0.5 * (ledger_.stop_loss_now + stop_loss);
+    ledger_.stop_loss_now = ledger_.opened ? stop_loss : 2 * stop_loss;  // what strikes at the start counts from then on
     const double drive_work = step.drive_work(before, after);
     ledger_.load_work += ledger_.last_work + 0.5 * (ledger_.drive_work_now + drive_work);
     ledger_.drive_work_now = drive_work;

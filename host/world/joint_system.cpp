@@ -145,7 +145,7 @@ void JointSystem::find_stops(const std::vector<BodyState>& now, const std::vecto
         if (!joint.has_stops()) continue;
         Stop& stop = stops[j] = {before[j].start, joint.coordinate(now)};
         for (int side : {1, -1}) {
-            if (side * (stop.start - joint.stop(side)) > 0) continue;
+            if (side * (stop.start - joint.stop(side)) > Stop::kPlay) continue;  // off it by more than rounding
             stop.acts = true;
             stop.end = joint.stop(side) - side * Stop::kPlay;
             stop.side = side;

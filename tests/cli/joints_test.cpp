@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
 #include "cli/process.h"
 #include "cli/small_model.h"
 #include "cli/static_run.h"
@@ -315,6 +317,29 @@ TEST(Joints, ASingularPositionIsPassedWithAWord) {
         EXPECT_NEAR(std::stod(ended.err.substr(at + 4)), 0.712 - h, 1.5 * h);  // from the step before on
         EXPECT_EQ(read_json(folder / "out/summary.json")["warnings"][0]["code"], "singular-position");
     }
+}
+
+// Two carriages on a rail: the first strikes its stop, and the second one soon draws it off. Oracle: momentum, 1.685 m/s.
+TEST(Joints, ImpactsThatTheStepDoesNotPartAreTold) {
+    const TemporaryFolder folder;
+    const double later = 0.7e-3, first = 0.0104, stop = first - 10 * first * first,
+                 reach = 3 * (first + later) + stop - 10 * later * later;
+    std::string text = "format = \"dttmm/1\"\n[simulation]\nduration = \"20 ms\"\n";
+    for (int i = 0; i < 2; ++i)
+        text += fmt::format(
+            "[[body]]\nname = \"c{0}\"\nmass = 1\ninertia = [0.1, 0.1, 0.1]\nposition = [{1}, 0, 0]\nvelocity = [{2}, 0, "
+            "0]\n"
+            "[[joint]]\nname = \"s{0}\"\ntype = \"slider\"\nbetween = [\"{3}\", \"c{0}\"]\nanchor = [{1}, 0, 0]\n"
+            "axis = [1, 0, 0]\nlimits = [{4}, {5}]\n",
+            i, 0.5 * i, i == 0 ? -1 : 3, i == 0 ? "ground" : "c0", i == 0 ? -stop : -0.3, i == 0 ? 0.5 : reach);
+    write_text(folder / "m.toml", text + "[[load]]\non = \"c0\"\ndirection = [1, 0, 0]\nforce = 20\n");
+    const auto run = [&](const char* step) {
+        return run_dttmm(folder.path(), {"run", "m.toml", "--step", step, "-q", "-o", "out"});
+    };
+    const Ended coarse = run("1 ms"), fine = run("0.1 ms");
+    EXPECT_EQ(coarse.code, 0) << coarse.err;
+    EXPECT_THAT(coarse.err, AllOf(HasSubstr("warning: two stops are reached within two steps"), HasSubstr("joint \"s1\"")));
+    EXPECT_EQ(fine.err, "");
 }
 
 }  // namespace

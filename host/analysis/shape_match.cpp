@@ -40,14 +40,24 @@ Json read_mode_shapes(const std::filesystem::path& folder) {
     return json;
 }
 
+/// Its rank counts the directions in which the shapes move.
+Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decompose(const Eigen::MatrixXd& shapes) {
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+    decomposition.setThreshold(kStill / shapes.norm());
+    decomposition.compute(shapes);
+    return decomposition;
+}
+
 }  // namespace
 
 double mac_of(const Eigen::MatrixXd& shapes, const Eigen::VectorXcd& shape) {
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-    qr.setThreshold(kStill / shapes.norm());
-    qr.compute(shapes);
+    const auto qr = decompose(shapes);
     const Eigen::MatrixXd basis = Eigen::MatrixXd(qr.householderQ()).leftCols(qr.rank());
     return (basis.transpose().cast<std::complex<double>>() * shape).squaredNorm() / shape.squaredNorm();
+}
+
+Eigen::VectorXd nearest_mixture(const Eigen::MatrixXd& shapes, const Eigen::VectorXd& shape) {
+    return decompose(shapes).solve(shape);
 }
 
 ShapeMatch::ShapeMatch(const std::filesystem::path& folder, const std::vector<Column>& channels) {

@@ -14,6 +14,8 @@ namespace dttmm::host {
 /// |aᵀb|²/(aᵀa bᵀb) of a shape and the nearest mixture of others, one per column, which are 1 where they are largest; 0 if
 /// these do not move.
 double mac_of(const Eigen::MatrixXd& shapes, const Eigen::VectorXcd& shape);
+/// Weights of that mixture; 0 if the shapes do not move.
+Eigen::VectorXd nearest_mixture(const Eigen::MatrixXd& shapes, const Eigen::VectorXd& shape);
 
 /// The mode of `dttmm modes` that a shape resembles most.
 struct ModeMatch {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "identify/mode_pairs.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "analysis/shape_match.h"
 #include "model/index.h"
 
 namespace dttmm::host {
@@ -39,15 +39,10 @@ ModePair compare_shapes(const ObservedMode& measured, size_t m, const std::vecto
     std::vector<Eigen::Index> group;
     for (size_t other = 0; other < frequencies.size(); ++other)
         if (is_same(other)) group.push_back(as_row(other));
-    ModePair pair{as_int(m + 1), frequencies[m], 0, shapes.col(as_row(m))};
     const Eigen::VectorXd wanted = pick_rows(measured.shape, measured.shape);
-    if (group.size() > 1) {
-        Eigen::MatrixXd basis(wanted.size(), as_row(group.size()));
-        for (size_t g = 0; g < group.size(); ++g) basis.col(as_row(g)) = pick_rows(shapes.col(group[g]), measured.shape);
-        const Eigen::VectorXd mixture = basis.completeOrthogonalDecomposition().solve(wanted);
-        pair.shape.setZero();
-        for (size_t g = 0; g < group.size(); ++g) pair.shape += mixture(as_row(g)) * shapes.col(group[g]);
-    }
+    Eigen::MatrixXd basis(wanted.size(), as_row(group.size()));
+    for (size_t g = 0; g < group.size(); ++g) basis.col(as_row(g)) = pick_rows(shapes.col(group[g]), measured.shape);
+    ModePair pair{as_int(m + 1), frequencies[m], 0, shapes(Eigen::all, group) * nearest_mixture(basis, wanted)};
     const Eigen::VectorXd own = pick_rows(pair.shape, measured.shape);
     const double product = own.dot(wanted), squares = own.squaredNorm() * wanted.squaredNorm();
     pair.mac = squares > 0 ? product * product / squares : 0;

@@ -56,5 +56,20 @@ TEST(ModePairs, ADoubleModeMixes) {
     EXPECT_NEAR(pairs[0].shape(2), 0.6 * 0.3 - 0.8 * 0.3, 1e-14);
 }
 
+// Oracle: by hand. Mode 2 moves across the measured direction; its components are round-off and happen to have the measured
+// form. Mode 1 has the MAC (1 - 0.6)²/(2 · 1.36).
+TEST(ModePairs, RoundOffOfAModeThatDoesNotMoveTheSensorsIsNoShape) {
+    Eigen::MatrixXd shapes(2, 2);
+    shapes << 1, 6e-44, 0.6, -6e-44;
+    const auto pairs = pair_modes({measured_mode(20, 1, Eigen::Vector2d(1, -1))}, {11, 20}, shapes);
+    EXPECT_EQ(pairs[0].mode, 1);
+    EXPECT_NEAR(pairs[0].mac, 0.16 / 2.72, 1e-14);
+    const auto second =
+        pair_modes({measured_mode(11, 1, shapes.col(0)), measured_mode(20, 2, Eigen::Vector2d(1, -1))}, {11, 20}, shapes)[1];
+    EXPECT_EQ(second.mode, 2) << "no other is left";
+    EXPECT_EQ(second.mac, 0);
+    EXPECT_EQ(second.shape.norm(), 0) << "it predicts no motion of the sensors";
+}
+
 }  // namespace
 }  // namespace dttmm::host

@@ -61,6 +61,21 @@ bool AdaptivePoints::is_straight(double x0, double x1, double x2) const {
     return true;
 }
 
+/// Whether a curve is larger at an end of the interval than at the points beside the interval, as beside a pole. The root of
+/// a density that begins at 0 also bends within any interval, but it falls to 0 there.
+bool AdaptivePoints::is_rising(double x0, double x2) const {
+    const auto left = points_.find(x0), right = points_.find(x2);
+    for (size_t c = 0; c < kinds_.size(); ++c) {
+        if (!kinds_[c].is_drawn) continue;
+        const auto size = [&](const auto& point) { return std::abs(point->second[c]); };
+        const double here = std::max(size(left), size(right)) / (1 + kTolerance);
+        if (here <= floor_of(c, x0) && here <= floor_of(c, x2)) continue;
+        const bool is_above_left = left == points_.begin() || here > size(std::prev(left));
+        if (is_above_left && (std::next(right) == points_.end() || here > size(std::next(right)))) return true;
+    }
+    return false;
+}
+
 bool AdaptivePoints::refine(std::vector<std::pair<double, double>> intervals) {
     while (!intervals.empty()) {
         const auto [x0, x2] = intervals.back();
@@ -68,7 +83,8 @@ bool AdaptivePoints::refine(std::vector<std::pair<double, double>> intervals) {
         const double x1 = 0.5 * (x0 + x2);
         if (x0 == 0 && !(x2 > kNarrow * span_)) continue;  // what is free at 0 has no curve there
         if (!(x2 - x0 > kNarrow * x2)) {
-            if (unbounded_.empty() || std::abs(unbounded_.back() - x1) > 1e-5 * std::abs(x1)) unbounded_.push_back(x1);
+            const bool is_known = !unbounded_.empty() && std::abs(unbounded_.back() - x1) <= 1e-5 * std::abs(x1);
+            if (!is_known && is_rising(x0, x2)) unbounded_.push_back(x1);
             continue;
         }
         if (!take(x1)) return false;

@@ -40,6 +40,7 @@ private:
     const Values* take(double x);
     double floor_of(size_t curve, double x) const;
     bool is_straight(double x0, double x1, double x2) const;
+    bool is_rising(double x0, double x2) const;
     bool refine(std::vector<std::pair<double, double>> intervals);
     bool close_in(size_t curve, double x);
     bool find_peaks();

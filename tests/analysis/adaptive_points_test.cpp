@@ -110,5 +110,25 @@ TEST(AdaptivePoints, WhatHasNoPeakIsTold) {
     EXPECT_EQ(few.points().size(), 10u);
 }
 
+// The root of a density that begins or ends at 0 is vertical there: no points make it straight, but it has a bound. Beside a
+// pole without damping it has none, also where a density begins or ends.
+TEST(AdaptivePoints, OnlyAPoleIsUnbounded) {
+    using Curve = double (*)(double);
+    const auto unbounded = [](Curve curve, const std::array<double, 3>& start) {
+        AdaptivePoints adaptive([&](double x) { return AdaptivePoints::Values{curve(x)}; }, {{}});
+        EXPECT_TRUE(adaptive.find(start, 1000, goes_on));
+        return adaptive.unbounded();
+    };
+    EXPECT_TRUE(unbounded([](double x) { return std::sqrt(std::max(x - 8, 0.0)); }, {8, 9.3, 12}).empty());
+    EXPECT_TRUE(unbounded([](double x) { return std::sqrt(std::max(12 - x, 0.0)); }, {8, 9.3, 12}).empty());
+    const double at = 9.3 * (1 + 1e-12);
+    const Curve pole = [](double x) { return std::sqrt(std::max(x - 8, 0.0)) / std::abs(x / (9.3 * (1 + 1e-12)) - 1); };
+    for (const auto& start : {std::array{8.0, 9.3, 12.0}, {8.0, 9.0, 9.3}, {9.3, 11.0, 12.0}}) {
+        const std::vector<double> found = unbounded(pole, start);
+        ASSERT_FALSE(found.empty());
+        for (const double x : found) EXPECT_NEAR(x, at, 2e-6) << start[0];
+    }
+}
+
 }  // namespace
 }  // namespace dttmm::host

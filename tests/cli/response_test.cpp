@@ -122,6 +122,32 @@ TEST_F(SteadyVibration, WhiteNoiseOnOneMass) {
     EXPECT_NEAR(std::stod(cells[5 - position][2]), force, 2e-3 * force);
 }
 
+// A density of motion that begins, touches and ends at 0 is no lack of damping.
+TEST_F(SteadyVibration, ADensityThatIsZeroSomewhereHasABound) {
+    for (const char* of : {"acceleration", "velocity", "displacement"}) {
+        const Ended ended = ask(fmt::format(R"(format = "dttmm/1"
+[[body]]
+name = "b"
+mass = 10
+inertia = [0.1, 0.1, 0.1]
+[[element]]
+name = "s"
+type = "spring_damper"
+from = "ground"
+to = "b"
+stiffness = 4e5
+rotational_stiffness = 4e4
+damping = 100
+rotational_damping = 10
+motion = {{ z = {{ type = "psd", of = "{}", frequencies = [8, 20, 27, 60, 120], values = [0, 1, 0, 0.2, 0] }} }}
+)",
+                                            of),
+                                {"--out", "b.acceleration.z", "-q"});
+        ASSERT_EQ(ended.code, 0) << ended.err;
+        EXPECT_THAT(ended.err, Not(HasSubstr("nothing damps"))) << of;
+    }
+}
+
 // Oracle: the integral of |H|² S by 400 000 rectangles of equal ratio. Two loads have densities with corners, steep flanks
 // and ranges of their own that begin and end where the other one goes on.
 TEST_F(SteadyVibration, DensitiesWithCornersAndRangesOfTheirOwn) {

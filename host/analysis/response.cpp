@@ -81,7 +81,7 @@ private:
     };
 
     bool write_rows(const ResultsFolder& folder, size_t& rows);
-    void write_random(const ResultsFolder& folder);
+    size_t write_random(const ResultsFolder& folder);
     std::vector<Column> columns() const;
     void keep_largest(const ResponseSweep& sweep, const OperatingPoint& at, const Values& values);
     void tell_still();
@@ -120,8 +120,8 @@ std::vector<Column> SteadyResponse::columns() const {
     return columns;
 }
 
-/// psd.csv and rms.csv.
-void SteadyResponse::write_random(const ResultsFolder& folder) {
+/// psd.csv and rms.csv. Returns the rows of psd.csv.
+size_t SteadyResponse::write_random(const ResultsFolder& folder) {
     const std::vector<AdaptivePoints::Kind> kinds = machine_.curves.kinds();
     const size_t count = machine_.curves.chosen().size(), skipped = machine_.excitation.has_harmonics() ? kinds.size() : 0;
     const auto amplitudes = [&](double f) {
@@ -133,11 +133,11 @@ void SteadyResponse::write_random(const ResultsFolder& folder) {
         find_random_response(machine_.excitation, plan_.random_from, plan_.random_to,
                              natural_frequencies(machine_.session.machine, plan_.random_to, warnings_), amplitudes, kinds,
                              ResponseCurves::kMostAdaptive, StopSignals::requested);
-    if (StopSignals::requested()) return;
+    if (StopSignals::requested()) return 0;
     if (!random.is_done) {
         machine_.curves.warn_too_many();
         warnings_.add("no-rms", "RMS values are not found, there is no psd.csv");
-        return;
+        return 0;
     }
     for (const double f : random.unbounded)
         warnings_.add("unbounded-peak", fmt::format("nothing damps the motion at {:.6g} Hz: RMS values have no bound", f));
@@ -163,6 +163,7 @@ void SteadyResponse::write_random(const ResultsFolder& folder) {
         rows.write_row(row);
     }
     rows.finish();
+    return random.rows.size();
 }
 
 /// Channels that were asked for and stay zero.
@@ -194,7 +195,9 @@ void SteadyResponse::print(const ResultsFolder& folder, size_t rows) const {
     }
     if (largest_.size() > kShown) fmt::print("and {} more in summary.json\n", largest_.size() - kShown);
     fmt::print("{}; results in {}\n", counted(rows, "row", "rows"),
-               folder.describe(largest_.empty() ? "psd.csv" : "response.csv"));
+               folder.describe(!largest_.empty() ? "response.csv"
+                               : rows > 0        ? "psd.csv"
+                                                 : "summary.json"));
 }
 
 void SteadyResponse::write_summary(const ResultsFolder& folder, size_t rows, bool is_stopped) {
@@ -264,7 +267,8 @@ ExitCode SteadyResponse::run(ResponseFindings* found) {
     size_t rows = 0;
     bool is_stopped = !plan_.sweeps.empty() && !write_rows(folder, rows);
     if (plan_.random_to > plan_.random_from && !is_stopped) {
-        write_random(folder);
+        const size_t written = write_random(folder);
+        if (plan_.sweeps.empty()) rows = written;
         is_stopped = StopSignals::requested();
     }
     if (!is_stopped) tell_still();

@@ -122,6 +122,17 @@ TEST_F(SteadyVibration, WhiteNoiseOnOneMass) {
     EXPECT_NEAR(std::stod(cells[5 - position][2]), force, 2e-3 * force);
 }
 
+// Oracle: the lines of psd.csv but the two of its head.
+TEST_F(SteadyVibration, TheRowsOfADensityAreCounted) {
+    const Ended ended = ask(kMassOnSpring + "psd = { frequencies = [2, 40], values = [3, 1] }\n", {"--out", "m.position.x"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    const std::string text = read_text(folder_ / "out1/psd.csv");
+    const auto rows = std::ranges::count(text, '\n') - 2;
+    EXPECT_GT(rows, 10);
+    EXPECT_THAT(ended.out, HasSubstr(fmt::format("{} rows; results in", rows)));
+    EXPECT_EQ(read_json(folder_ / "out1/summary.json")["rows"], rows);
+}
+
 // A density of motion that begins, touches and ends at 0 is no lack of damping.
 TEST_F(SteadyVibration, ADensityThatIsZeroSomewhereHasABound) {
     for (const char* of : {"acceleration", "velocity", "displacement"}) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 
@@ -280,13 +281,25 @@ std::vector<ModePair> Comparison::predict_modes(const Model& asked, const Measur
                                                 Eigen::VectorXd& out) const {
     constexpr int kBeyond = 3;  // modes above the highest measured one that a shape may belong to
     Model model = asked;
-    int highest = 0;
-    for (const ObservedMode& mode : observations_.modes) highest = std::max(highest, mode.number);
+    int highest = 0, lowest = std::numeric_limits<int>::max();
+    for (const ObservedMode& mode : observations_.modes) {
+        highest = std::max(highest, mode.number);
+        lowest = std::min(lowest, mode.number);
+    }
     model.modes.count = highest + (observations_.freedoms.empty() ? 0 : kBeyond);
     model.modes.below.reset();
     Warnings silent(Warnings::Silent::yes);
     ModalMachine machine = make_machine(model, plugins_, silent);
-    const std::vector<ModalInstance::Mode> modes = machine.find_modes();
+    std::vector<ModalInstance::Mode> modes = machine.find_modes();
+    const auto count_rigid = [&] {
+        return as_int(std::ranges::count_if(modes, [](const auto& mode) { return !(mode.numbers.frequency > 0); }));
+    };
+    int rigid = 0;
+    // A test of a free machine may number its modes from the first one above 0 Hz
+    while (!observations_.freedoms.empty() && count_rigid() > rigid && lowest <= count_rigid()) {
+        rigid = count_rigid();
+        modes = machine.find_modes(static_cast<uint32_t>(model.modes.count + rigid), 0);
+    }
     const auto count = as_row(observations_.freedoms.size());
     Eigen::MatrixXd shapes(count, as_row(modes.size()));
     for (Eigen::Index i = 0; i < count; ++i) {
@@ -301,6 +314,11 @@ std::vector<ModePair> Comparison::predict_modes(const Model& asked, const Measur
     Eigen::Index row = groups_[first_group].first, shape_row = row + groups_[first_group].count;
     for (size_t i = 0; i < observations_.modes.size(); ++i, ++row) {
         const ObservedMode& mode = observations_.modes[i];
+        if (pairs[i].mode == 0 && mode.number <= count_rigid())
+            throw Error(ExitCode::model_invalid,
+                        fmt::format("mode {} of the model has 0 Hz and cannot be the measured one of {:.6g} Hz: number the "
+                                    "measured modes as `dttmm modes` does, or give their shapes",
+                                    mode.number, mode.frequency));
         if (pairs[i].mode == 0)
             throw Error(
                 ExitCode::model_invalid,

@@ -150,6 +150,10 @@ std::vector<Minimum> Identifier::descend_from(const std::vector<Start>& points, 
         minimum.x = all.head(size);
         for (Eigen::Index i = 0; i < size; ++i) minimum.at_bound.push_back(all(size + i) > 0.5);
         minimum.residual = all.tail(all.size() - 2 * size);
+        if (!std::isfinite(minimum.chi2())) {
+            if (found.failed++ == 0) found.first_failure = "the model predicts a number that is not finite";
+            continue;
+        }
         minima.push_back(std::move(minimum));
     }
     sort_by_chi2(minima);

@@ -67,8 +67,9 @@ std::vector<ModePair> pair_modes(const std::vector<ObservedMode>& measured, cons
     std::vector<Candidate> candidates;
     for (size_t i = 0; i < measured.size(); ++i)
         for (size_t m = 0; has_shape(measured[i]) && m < frequencies.size(); ++m) {
+            if (!(frequencies[m] > 0)) continue;
             ModePair pair = compare_shapes(measured[i], m, frequencies, shapes);
-            const double away = frequencies[m] > 0 ? std::abs(std::log(frequencies[m] / measured[i].frequency)) : 1e3;
+            const double away = std::abs(std::log(frequencies[m] / measured[i].frequency));
             const double score = pair.mac - kTie * away;
             candidates.push_back({i, std::move(pair), score});
         }
@@ -77,7 +78,7 @@ std::vector<ModePair> pair_modes(const std::vector<ObservedMode>& measured, cons
         if (pairs[one.measured].mode == 0 && !is_taken[as_size(one.pair.mode - 1)]) take(one.measured, std::move(one.pair));
     for (size_t i = 0; i < measured.size(); ++i) {
         const auto m = as_size(measured[i].number - 1);
-        if (pairs[i].mode > 0 || m >= frequencies.size() || is_taken[m]) continue;
+        if (pairs[i].mode > 0 || m >= frequencies.size() || is_taken[m] || !(frequencies[m] > 0)) continue;
         take(i, {measured[i].number, frequencies[m], std::numeric_limits<double>::quiet_NaN(), shapes.col(as_row(m))});
     }
     return pairs;

@@ -19,8 +19,8 @@ struct ModePair {
 };
 
 /// Pairs measured modes with those of the model, no mode twice: by their shapes, the most alike first; those without a
-/// shape by their number. frequencies: of the model, ascending [Hz]. shapes: at the measured freedoms, a column per mode,
-/// which is 1 where it is largest in the machine.
+/// shape by their number. None has a mode at 0 Hz: there is no vibration to measure. frequencies: of the model, ascending
+/// [Hz]. shapes: at the measured freedoms, a column per mode, which is 1 where it is largest in the machine.
 std::vector<ModePair> pair_modes(const std::vector<ObservedMode>& measured, const std::vector<double>& frequencies,
                                  const Eigen::MatrixXd& shapes);
 

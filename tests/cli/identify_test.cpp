@@ -349,6 +349,65 @@ TEST_F(Identify, ModesOfTwoTestsAreRepeats) {
     }
 }
 
+// Three masses on two springs, free: f² = (a ± √(a² − b)) / 8π² of masses 2, 3, 4 kg. A test numbers its modes from 1 on,
+// the model has the first one at 0 Hz. Oracle: closed form of the secret values.
+TEST_F(Identify, ModesOfAFreeMachineArePairedAboveZero) {
+    const double m[] = {2, 3, 4}, k1 = 6000, k2 = 3500;
+    write_text(folder_ / "model.toml", R"(format = "dttmm/1"
+dofs = ["x", "y", "z"]
+[parameters]
+k1 = 5000
+k2 = 4000
+[[body]]
+name = "a"
+mass = 2
+inertia = [1, 1, 1]
+[[body]]
+name = "b"
+mass = 3
+inertia = [1, 1, 1]
+[[body]]
+name = "c"
+mass = 4
+inertia = [1, 1, 1]
+[[element]]
+name = "ab"
+type = "spring_damper"
+from = "a"
+to = "b"
+stiffness = ["=k1", 0, 0]
+[[element]]
+name = "bc"
+type = "spring_damper"
+from = "b"
+to = "c"
+stiffness = ["=k2", 0, 0]
+)");
+    const double sum = k1 / m[0] + (k1 + k2) / m[1] + k2 / m[2];
+    const double product = k1 * k2 * (m[0] + m[1] + m[2]) / (m[0] * m[1] * m[2]), root = std::sqrt(sum * sum / 4 - product);
+    std::string shapes = "mode,frequency,a.x,b.x,c.x\n", numbers = "mode,frequency\n";
+    for (const double square : {sum / 2 - root, sum / 2 + root}) {
+        const double f = std::sqrt(square) / (2 * M_PI), b = 1 - m[0] * square / k1, c = b * k2 / (k2 - m[2] * square);
+        shapes += fmt::format("{},{:.17g},1,{:.17g},{:.17g}\n", shapes.size() < 30 ? 1 : 2, f, b, c);
+        numbers += fmt::format("{},{:.17g}\n", numbers.size() < 20 ? 8 : 9, f);
+    }
+    write_text(folder_ / "shapes.csv", shapes);
+    write_text(folder_ / "numbers.csv", numbers);
+    for (const char* file : {"shapes.csv", "numbers.csv"}) {
+        const Ended ended = identify({"--measured", file, "--free", "k1,k2"});
+        ASSERT_EQ(ended.code, 0) << ended.err;
+        EXPECT_EQ(found()["modes"][0]["mode"], 8) << file << ended.out;
+        EXPECT_EQ(found()["modes"][1]["mode"], 9) << file;
+        if (file[0] == 'n') continue;  // two frequencies alone have two solutions
+        EXPECT_NEAR(value(found(), "k1") / k1, 1, 1e-6) << ended.out;
+        EXPECT_NEAR(value(found(), "k2") / k2, 1, 1e-6);
+    }
+    write_text(folder_ / "wrong.csv", "frequency\n8\n12\n");
+    const Ended wrong = identify({"--measured", "wrong.csv", "--free", "k1,k2"});
+    EXPECT_NE(wrong.code, 0);
+    EXPECT_THAT(wrong.err, HasSubstr("mode 1 of the model has 0 Hz"));
+}
+
 // A recorder whose clock is 1.9 % off, and hum in every channel. Oracle: planted clock and stiffness; without the hum the
 // model does not explain the data.
 TEST_F(Identify, TheClockIsFoundFromMainsHum) {

@@ -71,5 +71,19 @@ TEST(ModePairs, RoundOffOfAModeThatDoesNotMoveTheSensorsIsNoShape) {
     EXPECT_EQ(second.shape.norm(), 0) << "it predicts no motion of the sensors";
 }
 
+// Nothing vibrates at 0 Hz: rigid-body modes are no candidates, by shape or by number.
+TEST(ModePairs, AModeAt0HzIsNotMeasured) {
+    Eigen::MatrixXd shapes(3, 4);
+    shapes << 1, 1, 1, 1, 1, 0, -0.7, 0.1, 1, -1, 1, -1;
+    const std::vector<double> frequencies = {0, 0, 60, 170};
+    const auto pairs =
+        pair_modes({measured_mode(55, 1, shapes.col(2)), measured_mode(160, 2, shapes.col(3))}, frequencies, shapes);
+    EXPECT_EQ(pairs[0].mode, 3);
+    EXPECT_EQ(pairs[1].mode, 4);
+    const auto by_number = pair_modes({measured_mode(55, 1, {}), measured_mode(160, 4, {})}, frequencies, shapes);
+    EXPECT_EQ(by_number[0].mode, 0);
+    EXPECT_EQ(by_number[1].mode, 4);
+}
+
 }  // namespace
 }  // namespace dttmm::host

@@ -67,11 +67,16 @@ std::string describe_chi2(const Fit& fit) {
 }
 
 std::string describe_noise(const Comparison& comparison) {
-    std::vector<std::string> parts;
-    for (const auto& [from, words] :
-         {std::pair(DataGroup::NoiseFrom::user, "as given"), std::pair(DataGroup::NoiseFrom::data, "from the data"),
-          std::pair(DataGroup::NoiseFrom::assumed, "assumed: 0.5 % of frequencies, 3 % of shapes"),
-          std::pair(DataGroup::NoiseFrom::residuals, "estimated from the residuals")})
+    std::vector<std::string> parts, assumed;
+    for (const DataGroup& group : comparison.groups())
+        if (group.noise_from == DataGroup::NoiseFrom::assumed)
+            assumed.emplace_back(group.kind == DataGroup::Kind::frequency ? "0.5 % of frequencies" : "3 % of shapes");
+    using From = DataGroup::NoiseFrom;
+    const std::pair<From, std::string> sources[] = {{From::user, "as given"},
+                                                    {From::data, "from the data"},
+                                                    {From::assumed, fmt::format("assumed: {}", fmt::join(assumed, ", "))},
+                                                    {From::residuals, "estimated from the residuals"}};
+    for (const auto& [from, words] : sources)
         if (std::ranges::find(comparison.groups(), from, &DataGroup::noise_from) != comparison.groups().end())
             parts.emplace_back(words);
     std::string text;

@@ -113,6 +113,23 @@ TEST_F(Identify, ShapesTellWhichSolutionIsTrue) {
     EXPECT_THAT(ended.out, HasSubstr("assumed"));
 }
 
+// What was given is not called assumed.
+TEST_F(Identify, OnlyTheNoiseThatIsAssumedIsCalledSo) {
+    write_text(folder_ / "model.toml", shear_frame({2, 3}, {5000, 4000}));
+    const auto noise_of = [&](const char* data) {
+        write_text(folder_ / "data.csv", data);
+        const Ended ended = identify({"--measured", "data.csv", "--free", "k1,k2"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        const size_t at = ended.out.find("noise of the data");
+        return at == std::string::npos ? ended.out : ended.out.substr(at, ended.out.find('\n', at) - at);
+    };
+    EXPECT_EQ(noise_of("mode,frequency,frequency.deviation,floor1,floor2\n1,4.03,0.01,0.52,1\n2,11.5,0.03,1,-0.35\n"),
+              "noise of the data: as given; assumed: 3 % of shapes");
+    EXPECT_EQ(noise_of("mode,frequency,floor1,floor2\n1,4.03,0.52,1\n2,11.5,1,-0.35\n"),
+              "noise of the data: assumed: 0.5 % of frequencies, 3 % of shapes");
+    EXPECT_EQ(noise_of("frequency\n4.03\n11.5\n"), "noise of the data: assumed: 0.5 % of frequencies");
+}
+
 // Two storeys whose two frequencies k1, k2 meet as well as 2 k2, k1/2 do: where both are near, one interval holds them.
 // Oracle: the profile of chi2 of the closed form.
 TEST_F(Identify, IntervalsHoldASecondSolutionNearBy) {

@@ -63,6 +63,7 @@ public:
         complete_shapes(found_);
         join_repeats(found_, warnings_);
         drop_silent();
+        note_zeros();
         warn_long_record();
         if (found_.is_empty())
             refuse(ExitCode::input_output,
@@ -256,6 +257,7 @@ private:
         response.is_real = signal.imaginary.empty();
         response.place = signal.place;
         double largest = 0;
+        size_t above = 0;  // 0 Hz
         for (size_t i = 0; i < signal.abscissa.size(); ++i) {
             const double f = signal.abscissa[i] / found_.clock;
             const std::complex<double> value =
@@ -264,13 +266,19 @@ private:
             if (!(std::abs(value) < kImpossible))
                 refuse(ExitCode::input_output,
                        fmt::format("{}: value {} is no finite number of a measurement", signal.place, i + 1));
+            if (f > 0) ++above;
             if (f <= 0 || std::abs(value) == 0) continue;  // nothing is measured at 0 Hz; zero has no logarithm
             response.frequencies.push_back(f);
             response.values.push_back(value);
             largest = std::max(largest, std::abs(value));
         }
+        if (above > 0 && largest == 0) {
+            zeros_.push_back(signal.place);
+            return true;
+        }
         if (response.frequencies.size() < 2)
-            refuse(ExitCode::input_output, fmt::format("{}: fewer than two values above 0 Hz", signal.place));
+            refuse(ExitCode::input_output,
+                   fmt::format("{}: fewer than two values above 0 Hz that are not zero", signal.place));
         bool is_of_user = false;
         response.noise = noise_of(map, unit, largest, is_of_user);
         if (response.noise == 0) take_coherence(signal, all, response, largest);
@@ -349,12 +357,23 @@ private:
                                                   counted(no_unit_.size(), "column", "columns"), quote(*no_unit_.begin())));
     }
 
+    /// Responses of zeros, as `dttmm response` has them in directions without motion.
+    void note_zeros() {
+        if (zeros_.empty()) return;
+        const std::string text = fmt::format(
+            "{}, as {}", counted(zeros_.size(), "response is zero", "responses are zero") + " at all frequencies",
+            zeros_.front());
+        if (found_.is_empty()) refuse(ExitCode::input_output, text + ": there is nothing to fit");
+        warnings_.note("zero-responses", text + ": not used");
+    }
+
     const Request& request_;
     const Model& model_;
     Warnings& warnings_;
     ModelNames names_;
     ColumnMaps maps_;
     std::set<std::string> no_unit_;
+    std::vector<std::string> zeros_;  ///< places of responses
     Observations found_;
 };
 

@@ -536,6 +536,32 @@ TEST_F(Identify, ExactResponsesReturnTheSecretValues) {
     EXPECT_EQ(identify({"--measured", "secret/response.csv", "--free", "k1"}).code, 2) << "what drove it is not said";
 }
 
+// A machine that moves in z alone: what `dttmm response` wrote of x and y is zero. Oracle: the secret value.
+TEST_F(Identify, ResponsesOfZerosAreLeftOut) {
+    const auto model = [](double stiffness) {
+        std::string text = SprungMasses{{4}, {stiffness}, {20}}.model();
+        text.replace(text.find("dofs = [\"z\"]"), 12, "dofs = [\"x\", \"y\", \"z\"]");
+        return text.replace(text.find("stiffness = [0, 0"), 17, "stiffness = [9e4, 8e4");
+    };
+    const auto fit_response_of = [&](const char* channels) {
+        write_text(folder_ / "model.toml", model(60000));
+        const Ended ended =
+            run_dttmm(folder_.path(), {"response", "model.toml", "-q", "-o", "secret", "--in", "b0.z", "--out", channels,
+                                       "--from", "4 Hz", "--to", "60 Hz", "--points", "40"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        write_text(folder_ / "model.toml", model(50000));
+        return identify({"--measured", "secret/response.csv", "--in", "b0.z", "--free", "s0.stiffness", "--starts", "1"});
+    };
+    const Ended ended = fit_response_of("b0.acceleration");
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.err, HasSubstr("2 responses are zero at all frequencies"));
+    EXPECT_EQ(found()["solutions"][0]["points"], 2 * 40);
+    EXPECT_NEAR(value(found(), "s0.stiffness"), 1.2, 1e-6);
+    const Ended none = fit_response_of("b0.acceleration.x");
+    EXPECT_EQ(none.code, 5) << none.out;
+    EXPECT_THAT(none.err, AllOf(HasSubstr("1 response is zero at all frequencies"), HasSubstr("nothing to fit")));
+}
+
 // Equal bolts and a blow at the centre: the direction + - + - shows at second order only, and a mass that nothing uses
 // never.
 // Descents from the nearest starting points all end in false minima. Oracle: two masses on springs, in closed form.

@@ -286,10 +286,13 @@ private:
         return true;
     }
 
-    /// What drove a response: the file says it, or the user.
+    /// What drove a response: the file says it, or the user. A map of the channel at the driving point tells the place, too.
     std::string input_of(const MeasuredSignal& signal) {
         if (!signal.reference.empty()) {
             const MeasuredChannel* map = maps_.find_reference(signal.reference);
+            for (const std::string& name : {map ? map->channel : signal.reference, signal.reference_title})
+                if (const std::optional<ObservedFreedom> freedom = find_freedom(names_, name))
+                    return fmt::format("{}.{}", freedom->place, direction_names()[as_size(freedom->direction)]);
             return map ? map->channel : signal.reference;
         }
         if (!request_.response.inputs.empty()) return request_.response.inputs.front();

@@ -19,29 +19,6 @@ namespace {
 
 constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
-/// "floor1.x", "plate.corner1.acceleration.z"; where all moves in one direction "floor1" is enough.
-std::optional<ObservedFreedom> find_freedom(ModelNames& names, const std::string& name) {
-    const auto place_of = [&](const std::string& text) { return names.machine().find(text); };
-    const auto& directions = direction_names();
-    const size_t dot = name.rfind('.');
-    if (dot == name.npos) {
-        const auto free = names.modal_model().modes.directions;
-        if (!place_of(name) || free.count() != 1) return std::nullopt;
-        for (int d = 0; d < 6; ++d)
-            if (free[as_size(d)]) return ObservedFreedom{name, d};
-    }
-    std::string owner = name.substr(0, dot), axis = name.substr(dot + 1);
-    const size_t second = owner.rfind('.');
-    if (second != owner.npos && !place_of(owner)) {
-        const std::string quantity = owner.substr(second + 1);
-        if (quantity == "rotation" || quantity == "angular_velocity") axis = "r" + axis;
-        owner.resize(second);
-    }
-    const auto direction = std::ranges::find(directions, axis);
-    if (!place_of(owner) || direction == directions.end()) return std::nullopt;
-    return ObservedFreedom{owner, as_int(direction - directions.begin())};
-}
-
 /// Column of a file, row among the freedoms, and what makes it the model's.
 struct ShapeColumn {
     size_t column;
@@ -73,6 +50,28 @@ void take_shape(const MeasuredMode& mode, const std::vector<ShapeColumn>& column
 }
 
 }  // namespace
+
+std::optional<ObservedFreedom> find_freedom(ModelNames& names, const std::string& name) {
+    const auto place_of = [&](const std::string& text) { return names.machine().find(text); };
+    const auto& directions = direction_names();
+    const size_t dot = name.rfind('.');
+    if (dot == name.npos) {
+        const auto free = names.modal_model().modes.directions;
+        if (!place_of(name) || free.count() != 1) return std::nullopt;
+        for (int d = 0; d < 6; ++d)
+            if (free[as_size(d)]) return ObservedFreedom{name, d};
+    }
+    std::string owner = name.substr(0, dot), axis = name.substr(dot + 1);
+    const size_t second = owner.rfind('.');
+    if (second != owner.npos && !place_of(owner)) {
+        const std::string quantity = owner.substr(second + 1);
+        if (quantity == "rotation" || quantity == "angular_velocity") axis = "r" + axis;
+        owner.resize(second);
+    }
+    const auto direction = std::ranges::find(directions, axis);
+    if (!place_of(owner) || direction == directions.end()) return std::nullopt;
+    return ObservedFreedom{owner, as_int(direction - directions.begin())};
+}
 
 void add_modes(const Measurement& measurement, const NoiseLevel& noise, ModelNames& names, ColumnMaps& maps,
                Observations& observations, Warnings& warnings) {

@@ -12,16 +12,17 @@ namespace dttmm::host {
 struct MeasuredSignal {
     enum class Kind : unsigned char { history, response, coherence, other };
     Kind kind = Kind::other;
-    std::string name;                 ///< of the column; in a universal file of node and direction: "12.z", "12.rz"
-    std::string title = {};           ///< what else the file calls it, without its unit; empty: nothing
-    std::string reference = {};       ///< of a response: what drives it, named alike
-    std::string unit = {};            ///< of the values, as the file writes it; empty: it gives none
-    std::string reference_unit = {};  ///< of a response whose unit is given in two parts
-    bool is_reversed = false;         ///< counts against the direction that `name` says
-    std::vector<double> abscissa;     ///< [s] or [Hz]
-    std::vector<double> values;       ///< in `unit`; of a response the real part
-    std::vector<double> imaginary;    ///< of a response; empty: real
-    std::string place;                ///< "blow.csv: column 3", for messages
+    std::string name;                  ///< of the column; in a universal file of node and direction: "12.z", "12.rz"
+    std::string title = {};            ///< what else the file calls it, without its unit; empty: nothing
+    std::string reference = {};        ///< of a response: what drives it, named alike
+    std::string unit = {};             ///< of the values, as the file writes it; empty: it gives none
+    std::string reference_title = {};  ///< what else the file calls what drives it; empty: nothing
+    std::string reference_unit = {};   ///< of a response whose unit is given in two parts
+    bool is_reversed = false;          ///< counts against the direction that `name` says
+    std::vector<double> abscissa;      ///< [s] or [Hz]
+    std::vector<double> values;        ///< in `unit`; of a response the real part
+    std::vector<double> imaginary;     ///< of a response; empty: real
+    std::string place;                 ///< "blow.csv: column 3", for messages
 };
 
 /// A mode that was identified from a measurement.

@@ -410,7 +410,10 @@ void set_names(const FunctionHead& head, MeasuredSignal& signal) {
         signal.name = freedom_name(head.response, otherwise);
         signal.title = head.title.substr(0, has_unit ? bracket : head.title.npos);
     }
-    if (head.type != 1) signal.reference = freedom_name(head.reference, head.reference.entity);
+    if (head.type != 1) {
+        signal.reference = freedom_name(head.reference, head.reference.entity);
+        signal.reference_title = head.denominator.label;
+    }
     const bool is_against = head.response.direction < 0, is_reference_against = head.reference.direction < 0;
     signal.is_reversed = signal.kind == Kind::response ? is_against != is_reference_against : is_against;
     if (signal.kind == Kind::coherence) signal.is_reversed = false;  // it has no sign

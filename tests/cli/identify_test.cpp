@@ -536,6 +536,28 @@ TEST_F(Identify, ExactResponsesReturnTheSecretValues) {
     EXPECT_EQ(identify({"--measured", "secret/response.csv", "--free", "k1"}).code, 2) << "what drove it is not said";
 }
 
+// At a driving point the response and the force have one node and direction. Oracle: the secret value.
+TEST_F(Identify, TheForceAtADrivingPointHasThePlaceOfTheResponse) {
+    write_text(folder_ / "model.toml", struck_plate());
+    ASSERT_EQ(run_dttmm(folder_.path(), {"response", "model.toml", "-q", "-o", "secret", "--in", "plate.corner1.z", "--out",
+                                         "plate.corner[12].acceleration.z", "--from", "20 Hz", "--to", "180 Hz", "--points",
+                                         "80", "--set", "k1=400 N/mm"})
+                  .code,
+              0);
+    ASSERT_EQ(run_dttmm(folder_.path(), {"export", "secret", "--uff58"}).code, 0);
+    const Ended own = identify({"--measured", "secret.uff", "--free", "k1", "--starts", "1"});
+    ASSERT_EQ(own.code, 0) << own.err;
+    EXPECT_NEAR(value(found(), "k1"), 4e5, 1e-6 * 4e5);
+    // The file of another program has numbers of nodes and no names of the model
+    std::string text = read_text(folder_ / "secret.uff");
+    for (size_t at = 0; (at = text.find("plate.corner", at)) != std::string::npos;) text.replace(at, 12, "sensorAtPlac");
+    write_text(folder_ / "other.uff", text);
+    const Ended other = identify({"--measured", "other.uff", "--free", "k1", "--starts", "1", "--map",
+                                  "2.z = plate.corner1.acceleration.z", "--map", "3.z = plate.corner2.acceleration.z"});
+    ASSERT_EQ(other.code, 0) << other.err;
+    EXPECT_NEAR(value(found(), "k1"), 4e5, 1e-6 * 4e5);
+}
+
 // A machine that moves in z alone: what `dttmm response` wrote of x and y is zero. Oracle: the secret value.
 TEST_F(Identify, ResponsesOfZerosAreLeftOut) {
     const auto model = [](double stiffness) {

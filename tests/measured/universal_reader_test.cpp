@@ -177,6 +177,7 @@ TEST(UniversalReader, WhatAFunctionIsAndWhereItWasMeasured) {
     EXPECT_EQ(history.place, (folder / "a.uff").string() + ":2");
     EXPECT_EQ(response.kind, UffKind::response);
     EXPECT_EQ(response.reference, "7.y");
+    EXPECT_EQ(response.reference_title, "force");
     EXPECT_EQ(response.unit, "m/s^2");
     EXPECT_EQ(response.reference_unit, "N");
     EXPECT_EQ(response.place, (folder / "a.uff").string() + ":18");  // 13 lines of head, 2 of values, 1 of the end, and 2

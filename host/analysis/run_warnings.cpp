@@ -274,6 +274,15 @@ void warn_unresolved(const Halving& halving, Warnings& warnings) {
                                  omega_h, simulation.fastest_mode().omega / (2 * M_PI)));
 }
 
+/// Where stops are reached together, errors are of first order with a factor that changes from step to step.
+void warn_close_impacts(const Simulation& simulation, Warnings& warnings) {
+    if (const long steps = simulation.end_of_step().close_impacts(); steps > 0)
+        warnings.add("close-impacts",
+                     fmt::format("{} a stop is reached within two steps of another one. There the motion is of first order, "
+                                 "and the errors that are stated may be several times too small",
+                                 counted(as_size(steps), "time", "times")));
+}
+
 }  // namespace
 
 void warn_of_run(Session& session, const Simulation& simulation, const Recorder& recorder) {
@@ -287,6 +296,7 @@ void warn_of_run(Session& session, const Simulation& simulation, const Recorder&
     if (!session.halving) return warn_ripple(recorder, session, warnings);
     warn_skipped(*session.halving, warnings);
     warn_unresolved(*session.halving, warnings);
+    warn_close_impacts(simulation, warnings);
 }
 
 }  // namespace dttmm::host

@@ -70,7 +70,7 @@ const BodyVectors& EndOfStep::solve(const std::vector<BodyState>& now, Networks&
     }
     if (open_.passes > worst_.passes) worst_ = report();
     singular_.count(open_.time);
-    see_lost_impacts();
+    see_close_impacts();
     if (!joints_.empty()) equations_.move(now, equations_.h(), trial_);
     equations_.write_feedback(now, feedback_);
     return feedback_;
@@ -126,10 +126,14 @@ bool EndOfStep::release_pulling_stops() {
     return true;
 }
 
-/// Sees whether a stop that was struck in this step or in the one before lets go because another one is struck.
-void EndOfStep::see_lost_impacts() {
+/// Counts steps with close impacts, and those in which a stop that was struck in this step or in the one before lets go
+/// because another one is struck.
+void EndOfStep::see_close_impacts() {
     const auto struck = std::ranges::find_if(stops_, &Stop::is_struck);
     if (struck == stops_.end()) return;
+    const auto all =
+        std::ranges::count_if(stops_, &Stop::is_struck) + std::ranges::count_if(stops_before_, &Stop::is_struck);
+    if (all > 1 || lets_go_struck_) ++close_impacts_;
     bool is_lost = lets_go_struck_;
     for (size_t j = 0; j < stops_.size(); ++j) is_lost = is_lost || (stops_before_[j].is_struck() && !stops_[j].acts);
     if (!is_lost) return;

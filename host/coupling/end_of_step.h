@@ -70,6 +70,8 @@ public:
         size_t joint = 0;
     };
     const LostImpacts& lost_impacts() const { return lost_; }
+    /// Steps in which a stop is struck, and another one in the same step or in the one before.
+    long close_impacts() const { return close_impacts_; }
 
     /// How the end of the open step was found, or of the last one.
     StepReport report() const;
@@ -87,7 +89,7 @@ private:
     bool find_end(const std::vector<BodyState>& now, Networks& networks);
     bool release_pulling_stops();
     bool leave_stops();
-    void see_lost_impacts();
+    void see_close_impacts();
     void linearise_joints(const std::vector<BodyState>& now);
     void evaluate(const std::vector<BodyState>& now, Networks& networks);
     void see_singular_position(const std::vector<BodyState>& now, Networks& networks);
@@ -109,6 +111,7 @@ private:
     bool may_leave_stops_ = true;     ///< over the open step
     bool lets_go_struck_ = false;     ///< over the open step: a stop that was reached within it
     LostImpacts lost_;
+    long close_impacts_ = 0;
     std::vector<BodyState> trial_, half_;  ///< at the end of the step, and half way
     std::vector<double> wrenches_;         ///< 6 per body
     BodyVectors previous_u_;               ///< over the step before

@@ -342,5 +342,25 @@ TEST(Joints, ImpactsThatTheStepDoesNotPartAreTold) {
     EXPECT_EQ(fine.err, "");
 }
 
+// Two carriages that strike their stops at one instant, at any step; one alone is of second order.
+TEST(Joints, StopsThatAreReachedTogetherHaveNoBoundOfErrors) {
+    const TemporaryFolder folder;
+    std::string text = "format = \"dttmm/1\"\n[simulation]\nduration = \"50 ms\"\n";
+    for (int carriages : {1, 2}) {
+        text += fmt::format(
+            "[[body]]\nname = \"c{0}\"\nmass = 1\ninertia = [0.1, 0.1, 0.1]\nposition = [0, {0}, 0]\nvelocity = [1, 0, 0]\n"
+            "[[joint]]\nname = \"s{0}\"\ntype = \"slider\"\nbetween = [\"ground\", \"c{0}\"]\nanchor = [0, {0}, 0]\n"
+            "axis = [1, 0, 0]\nlimits = [-1, 0.0201]\n"
+            "[[load]]\non = \"c{0}\"\ndirection = [1, 0, 0]\nforce = -9\n",
+            carriages);
+        write_text(folder / "m.toml", text);
+        const Ended ended =
+            run_dttmm(folder.path(), {"run", "m.toml", "--tolerance", "1 %", "--channels", "c*.position", "-o", "out"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        EXPECT_EQ(ended.err.find("a stop is reached within two steps of another one") != ended.err.npos, carriages == 2)
+            << ended.err;
+    }
+}
+
 }  // namespace
 }  // namespace dttmm::host

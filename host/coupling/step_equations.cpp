@@ -70,7 +70,7 @@ void StepEquations::begin_step(const std::vector<BodyState>& now, const std::vec
 
 /// Over the step of an impact the bodies go straight on, with the mean of their velocities. At the impact, after a share s
 /// of it, they are off that way by s (1 - s) h times the jump of the velocities: there its impulses act along other
-/// directions, and the gyroscopic moments, of second order in the velocities, lack as much of the jump.
+/// directions.
 void StepEquations::follow_impact(const std::vector<BodyState>& now, const BodyVectors& before,
                                   const std::vector<Stop>& stops) {
     const auto stop = std::ranges::find_if(stops, &Stop::is_struck);
@@ -83,7 +83,6 @@ void StepEquations::follow_impact(const std::vector<BodyState>& now, const BodyV
         const Eigen::Vector3d dv = now[b].velocity - before[b].head<3>(), dw = now[b].angular_velocity - before[b].tail<3>();
         struck_at[b].position -= s * h_ * dv;
         struck_at[b].rotation = RotationStep(-s * h_ * dw).apply(now[b].rotation);
-        free_momentum_[b].tail<3>() -= h_ * s / (1 - s) * dw.cross(inertias_[b].turned(now[b].rotation, dw));
     }
     for (size_t j = 0; j < joints_.joints().size(); ++j) {
         const JointEquations& joint = joints_.joints()[j];

@@ -147,7 +147,7 @@ void JointSystem::find_stops(const std::vector<BodyState>& now, const std::vecto
         for (int side : {1, -1}) {
             if (side * (stop.start - joint.stop(side)) > Stop::kPlay) continue;  // off it by more than rounding
             stop.acts = true;
-            stop.end = joint.stop(side) - side * Stop::kPlay;
+            stop.end = std::clamp(stop.start, joint.stop(side) - Stop::kPlay, joint.stop(side) + Stop::kPlay);
             stop.side = side;
         }
     }

@@ -362,5 +362,32 @@ TEST(Joints, StopsThatAreReachedTogetherHaveNoBoundOfErrors) {
     }
 }
 
+// Oracle: nothing moves. The turn of the bar leaves its angle off the stop by 1.6e-16; the play of the stop is no motion
+// that steps must resolve.
+TEST(Joints, AMachineAtRestOnItsStopRunsToATolerance) {
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", R"(format = "dttmm/1"
+[simulation]
+duration = "0.01 s"
+gravity = [0, 0, -10]
+[[body]]
+name = "bar"
+mass = 2
+inertia = [0.01, 0.01, 0.01]
+position = [0.3, 0, 0]
+rotation = { axis = [0, 1, 0], angle = "90 deg" }
+[[joint]]
+name = "pin"
+type = "hinge"
+between = ["ground", "bar"]
+anchor = [0, 0, 0]
+axis = [0, 1, 0]
+limits = ["-20 deg", 0]
+)");
+    const Ended ended = run_dttmm(folder.path(), {"run", "m.toml", "--tolerance", "1 %", "-q", "-o", "out"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_LT(read_json(folder / "out/summary.json")["tolerance"]["levels"].size(), 4u);
+}
+
 }  // namespace
 }  // namespace dttmm::host

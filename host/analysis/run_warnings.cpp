@@ -244,14 +244,14 @@ void warn_singular_positions(const Simulation& simulation, const Model& model, W
                     passed.time, model.joints[passed.joint].name, passed.steps));
 }
 
-/// Impacts that the step does not tell apart.
+/// Impacts that fall within two steps.
 void warn_lost_impacts(const Simulation& simulation, const Model& model, Warnings& warnings) {
     const EndOfStep::LostImpacts& lost = simulation.end_of_step().lost_impacts();
     if (lost.steps == 0) return;
     warnings.add("impacts-together",
                  fmt::format("two stops are reached within two steps, the first time at t = {:.4g} s (joint \"{}\"), {} in "
                              "all: the later impact draws the machine off the earlier stop, which has not taken all of the "
-                             "speed yet. Speeds after it are wrong by a part of that; a smaller step parts them",
+                             "speed yet. Speeds after it are wrong by a part of that; a smaller step separates them",
                              lost.time, model.joints[lost.joint].name, counted(as_size(lost.steps), "time", "times")));
 }
 

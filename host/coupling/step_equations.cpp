@@ -43,6 +43,7 @@ StepEquations::StepEquations(const Model& model, const Networks& networks)
       joints_(model.bodies, model.joints),
       matrix_(as_int(model.bodies.size()), networks.neighbours(), joints_.nodes()),
       factor_(matrix_),
+      struck_at_(model.bodies.size()),
       stiffness_shares_(model.bodies.size(), 1),
       turns_(model.bodies.size()) {
     const auto couple = [&](int first, int second) {
@@ -77,16 +78,16 @@ void StepEquations::follow_impact(const std::vector<BodyState>& now, const BodyV
     if (std::ranges::count_if(stops, &Stop::is_struck) != 1) return;
     const double s = stop->share;
     if ((1 - s) * stop->arrival <= std::abs(stop->gain)) return;  // the jump is no larger than what forces do in a step
-    std::vector<BodyState> struck_at = now;
+    struck_at_ = now;
     for (size_t b = 0; b < now.size(); ++b) {
         // (1 - s) of the jump is in the step of the impact
         const Eigen::Vector3d dv = now[b].velocity - before[b].head<3>(), dw = now[b].angular_velocity - before[b].tail<3>();
-        struck_at[b].position -= s * h_ * dv;
-        struck_at[b].rotation = RotationStep(-s * h_ * dw).apply(now[b].rotation);
+        struck_at_[b].position -= s * h_ * dv;
+        struck_at_[b].rotation = RotationStep(-s * h_ * dw).apply(now[b].rotation);
     }
     for (size_t j = 0; j < joints_.joints().size(); ++j) {
         const JointEquations& joint = joints_.joints()[j];
-        const JointEquations::Jacobian there = joint.jacobian(struck_at), here = joint.jacobian(now);
+        const JointEquations::Jacobian there = joint.jacobian(struck_at_), here = joint.jacobian(now);
         const auto q = impulses_.segment(matrix_.joint_index(as_int(j)), joint.count());
         for (const auto side : JointEquations::kSides)
             if (const int body = joint.bodies()[side]; body >= 0)
@@ -191,16 +192,16 @@ int StepEquations::stop_index(size_t joint) const {
 
 void StepEquations::place_before_start(const std::vector<BodyState>& at, const BodyVectors& accelerations,
                                        std::vector<Stop>& stops) const {
-    std::vector<BodyState> quickening = at;  // accelerations in place of velocities
+    std::vector<BodyState> rates = at;  // accelerations in place of velocities
     for (size_t b = 0; b < at.size(); ++b) {
-        quickening[b].velocity = accelerations[b].head<3>();
-        quickening[b].angular_velocity = accelerations[b].tail<3>();
+        rates[b].velocity = accelerations[b].head<3>();
+        rates[b].angular_velocity = accelerations[b].tail<3>();
     }
     for (size_t j = 0; j < stops.size(); ++j) {
         const JointEquations& joint = joints_.joints()[j];
         if (!joint.has_stops()) continue;
         const double speed = joint.coordinate_speed(at, at);
-        const double rate = joint.coordinate_speed(at, quickening) + joint.curvature(at)(joint.coordinate_row());
+        const double rate = joint.coordinate_speed(at, rates) + joint.curvature(at)(joint.coordinate_row());
         stops[j].start = joint.coordinate(at) - h_ * (speed - 0.5 * h_ * rate);
     }
 }

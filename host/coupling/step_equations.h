@@ -119,6 +119,7 @@ private:
     JointSystem joints_;
     BlockMatrix matrix_;
     BlockFactor factor_;
+    std::vector<BodyState> struck_at_;      ///< of follow_impact()
     std::vector<double> stiffness_shares_;  ///< per body
     std::vector<Turn> turns_;               ///< per body
     Eigen::VectorXd impulses_, right_hand_side_, solution_;

@@ -70,7 +70,7 @@ public:
     bool has_coordinate() const { return has_coordinate_; }
     bool turns() const { return turns_; }  ///< the coordinate is an angle
     double coordinate(const std::vector<BodyState>& at) const;
-    /// The way from one coordinate to another, of angles at most half a turn.
+    /// How far one coordinate is from another, `to` − `from`, of angles at most half a turn [rad, m].
     double way(double from, double to) const { return turns_ ? std::remainder(to - from, 2 * M_PI) : to - from; }
     /// The rate of a coordinate that has stops or a motor, with the velocities of `moving` in the positions `at` [rad/s,
     /// m/s].

@@ -12,8 +12,8 @@
 
 namespace dttmm::host {
 
-/// The stop of a hinge or slider over a step. While it acts, it keeps the coordinate within kPlay of the stop, which counts
-/// as reached there whatever the rounding; it pushes one way only.
+/// The stop of a hinge or slider over a step. Within kPlay of it, more than rounding, the stop counts as reached. While it
+/// acts it keeps the coordinate there. It pushes in one direction only.
 struct Stop {
     static constexpr double kPlay = 1e-12;  ///< [rad, m]
     double before = 0, start = 0;           ///< the coordinate at t_{n−1} and at t_n [rad, m]

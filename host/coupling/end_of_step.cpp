@@ -25,7 +25,7 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
 std::vector<BodyState> EndOfStep::start(double h, const std::vector<BodyState>& at, const BodyVectors& accelerations) {
     trial_ = half_ = at;
     equations_.start(h);
-    equations_.place_before_start(at, accelerations, stops_);
+    equations_.place_before_start(at, stops_);
     std::vector<BodyState> half_step_back = at;
     for (size_t b = 0; b < at.size(); ++b) {
         const auto& a = accelerations[b];

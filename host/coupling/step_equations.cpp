@@ -190,20 +190,10 @@ int StepEquations::stop_index(size_t joint) const {
     return matrix_.joint_index(as_int(joint)) + joints_.joints()[joint].coordinate_row();
 }
 
-void StepEquations::place_before_start(const std::vector<BodyState>& at, const BodyVectors& accelerations,
-                                       std::vector<Stop>& stops) const {
-    std::vector<BodyState> rates = at;  // accelerations in place of velocities
-    for (size_t b = 0; b < at.size(); ++b) {
-        rates[b].velocity = accelerations[b].head<3>();
-        rates[b].angular_velocity = accelerations[b].tail<3>();
-    }
-    for (size_t j = 0; j < stops.size(); ++j) {
-        const JointEquations& joint = joints_.joints()[j];
-        if (!joint.has_stops()) continue;
-        const double speed = joint.coordinate_speed(at, at);
-        const double rate = joint.coordinate_speed(at, rates) + joint.curvature(at)(joint.coordinate_row());
-        stops[j].start = joint.coordinate(at) - h_ * (speed - 0.5 * h_ * rate);
-    }
+void StepEquations::place_before_start(const std::vector<BodyState>& at, std::vector<Stop>& stops) const {
+    for (size_t j = 0; j < stops.size(); ++j)
+        if (const JointEquations& joint = joints_.joints()[j]; joint.has_stops())
+            stops[j].start = joint.coordinate(at) - h_ * joint.coordinate_speed(at, at);
 }
 
 namespace {

@@ -71,9 +71,8 @@ public:
     void write_feedback(const std::vector<BodyState>& now, BodyVectors& feedback);
 
     // Stops over the step whose motion has been found; end: poses at its end, velocities over it.
-    /// Where coordinates were a step before the start: `start` of the stops.
-    void place_before_start(const std::vector<BodyState>& at, const BodyVectors& accelerations,
-                            std::vector<Stop>& stops) const;
+    /// Where coordinates were a step before the start, at the speeds of the start: `start` of the stops.
+    void place_before_start(const std::vector<BodyState>& at, std::vector<Stop>& stops) const;
     /// Lets go the stops that pull; true if there are any.
     bool release_pulling_stops(std::vector<Stop>& stops) const {
         return joints_.release_pulling_stops(matrix_, impulses_, stops);

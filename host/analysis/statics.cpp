@@ -314,16 +314,17 @@ void look_at_stability(const Request& request, const Model& model, const Plugins
     std::optional<ModalMachine> machine;
     try {
         machine.emplace(model, describe());
+        try {
+            found.free = find_free(model, *machine);
+        } catch (const Error& error) {
+            found.why_free_unknown = error.what();
+        }
         found.growing = as_int(machine->count_growing());
     } catch (const Error& error) {
         if (request.statics.buckling > 0) throw;  // asked for; otherwise the equilibrium stands without it
         found.why_not_counted = error.what();
+        found.why_free_unknown.clear();  // for the same reason
         return;
-    }
-    try {
-        found.free = find_free(model, *machine);
-    } catch (const Error& error) {
-        found.why_free_unknown = error.what();
     }
     if (request.statics.buckling > 0) found.factors = Buckling(describe()).find_factors(request.statics.buckling);
     for (CriticalLoad& load : found.factors)

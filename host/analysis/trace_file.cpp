@@ -32,10 +32,11 @@ TraceFile::TraceFile(const std::filesystem::path& path) : file_(File::create(pat
 TraceFile::~TraceFile() { file_.write_some(waiting_); }
 
 void TraceFile::write(const Simulation& simulation, const StepReport& report) {
-    fmt::format_to(std::back_inserter(waiting_), "{},{},{},{},{},{:.3g},{:.3g},{:.3g},{:.3g},{},{}\n", report.step,
-                   report.time, simulation.step_size(), report.passes, report.factorisations, report.correction,
-                   report.inside_correction, report.inside_residual, report.rate, report.stops,
-                   csv_field(simulation.waited_for(report)));
+    fmt::format_to(std::back_inserter(waiting_), "{},{},{},{},{},{:.3g},{:.3g},{:.3g},{:.3g},{},", report.step, report.time,
+                   simulation.step_size(), report.passes, report.factorisations, report.correction, report.inside_correction,
+                   report.inside_residual, report.rate, report.stops);
+    add_csv_field(simulation.waited_for(report), waiting_);
+    waiting_ += '\n';
     if (waiting_.size() < kMostWaiting) return;
     file_.write(waiting_);
     waiting_.clear();

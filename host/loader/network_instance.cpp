@@ -86,9 +86,9 @@ bool NetworkInstance::is_declared(const dttmm_channel& channel, const dttmm_netw
         const std::string_view all = text;
         for (; *text; ++text)
             if (static_cast<unsigned char>(*text) < ' ' || *text == '/' || *text == 127) return false;
-        return printable(all) == all;
+        return is_printable(all);
     };
-    const auto is_unit = [](const char* text) { return text && *text && printable(text) == text; };
+    const auto is_unit = [](const char* text) { return text && *text && is_printable(text); };
     if (!is_plain(channel.name) || !is_unit(channel.unit) || channel.role > DTTMM_ROLE_LIMIT) return false;
     const bool is_energy = channel.role >= DTTMM_ROLE_STRAIN_ENERGY && channel.role <= DTTMM_ROLE_WORK;
     if (is_energy && std::strcmp(channel.unit, "J") != 0) return false;

@@ -27,7 +27,7 @@ namespace {
 constexpr uint32_t kMostTypes = 10'000;
 
 /// UTF-8 that a terminal and a file of JSON take as it is.
-bool is_text(const char* text) { return printable(text) == text; }
+bool is_text(const char* text) { return is_printable(text); }
 
 /// Letters, digits, underscore, hyphen and point.
 bool is_word(const std::string_view text) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <bit>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <mutex>
 #include <unordered_set>
@@ -26,13 +27,14 @@ public:
     template <class Key>
     uint32_t keep(const Key& key) {
         const std::lock_guard lock(mutex_);
-        if (const auto found = numbers_.find(key); found != numbers_.end()) return *found;
+        if (!numbers_.empty() && (*this)[last_] == key) return last_;  // often: neighbours differ in one text
+        if (const auto found = numbers_.find(key); found != numbers_.end()) return last_ = *found;
         const auto number = static_cast<uint32_t>(numbers_.size());
         const Place place(number);
         if (place.index == 0) blocks_[place.block] = std::make_unique<Value[]>(size_t{1} << place.block);
         blocks_[place.block][place.index] = Value(key);
         numbers_.insert(number);
-        return number;
+        return last_ = number;
     }
     /// number: from keep(). What other threads keep meanwhile leaves all that is read here alone.
     const Value& operator[](uint32_t number) const {
@@ -57,6 +59,7 @@ private:
     };
 
     std::mutex mutex_;
+    uint32_t last_ = 0;  ///< asked for
     std::array<std::unique_ptr<Value[]>, 32> blocks_;
     std::unordered_set<uint32_t, ByValue, ByValue> numbers_{0, ByValue{*this}, ByValue{*this}};
 };
@@ -112,6 +115,19 @@ uint64_t checked(uint32_t number, int bits, const char* names) {
     return number;
 }
 
+/// The texts that are not empty, with dots between them.
+std::string with_dots(std::initializer_list<std::string_view> texts) {
+    size_t size = 0;
+    for (const std::string_view text : texts) size += text.size() + 1;
+    std::string all;
+    all.reserve(size);
+    for (const std::string_view text : texts) {
+        if (!all.empty() && !text.empty()) all += '.';
+        all += text;
+    }
+    return all;
+}
+
 }  // namespace
 
 Channel::Channel(Of of, std::string_view owner, std::string_view quantity, std::string_view axis, std::string_view unit,
@@ -146,10 +162,10 @@ bool Channel::have_duplicates(std::vector<Channel> channels) {
     return false;
 }
 
-std::string Channel::without_axis() const { return owner().empty() ? quantity() : owner() + '.' + quantity(); }
+std::string Channel::without_axis() const { return with_dots({owner(), quantity()}); }
 
-std::string Channel::name() const { return axis().empty() ? without_axis() : without_axis() + '.' + axis(); }
+std::string Channel::name() const { return with_dots({owner(), quantity(), axis()}); }
 
-std::string Channel::name_in_owner() const { return axis().empty() ? quantity() : quantity() + '.' + axis(); }
+std::string Channel::name_in_owner() const { return with_dots({quantity(), axis()}); }
 
 }  // namespace dttmm::host

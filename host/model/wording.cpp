@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "model/wording.h"
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 #include <utf8proc.h>
 
@@ -31,9 +32,10 @@ bool is_visible(utf8proc_int32_t character) {
     }
 }
 
+bool is_plain(char c) { return c >= ' ' && c <= '~'; }
+
 /// `most`: characters.
 std::string make_visible(std::string_view text, std::size_t most) {
-    const auto is_plain = [](char c) { return c >= ' ' && c <= '~'; };
     if (text.size() <= most && std::ranges::all_of(text, is_plain)) return std::string(text);
     std::string result;
     std::size_t characters = 0;
@@ -61,7 +63,9 @@ std::string quote(std::string_view text) { return "\"" + make_visible(text, kLon
 
 std::string printable(std::string_view text) { return make_visible(text, text.size()); }
 
-std::string number_text(double value) { return fmt::format("{}", value); }
+bool is_printable(std::string_view text) { return std::ranges::all_of(text, is_plain) || printable(text) == text; }
+
+std::string number_text(double value) { return fmt::format(FMT_COMPILE("{}"), value); }
 
 std::string counted(std::size_t count, const char* one, const char* many) {
     return fmt::format("{} {}", count, count == 1 ? one : many);

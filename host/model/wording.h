@@ -16,6 +16,8 @@ std::string quote(std::string_view text);
 
 /// `text` as quote() makes it fit for a terminal, whole and without the quotes.
 std::string printable(std::string_view text);
+/// Whether it changes nothing.
+bool is_printable(std::string_view text);
 
 /// The shortest decimal text that reads back as `value`.
 std::string number_text(double value);

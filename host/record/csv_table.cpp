@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "record/csv_table.h"
 
+#include <fmt/compile.h>
+
 #include <cassert>
 #include <cmath>
+#include <iterator>
 
-#include "model/wording.h"
 #include "record/csv_writer.h"
 
 namespace dttmm::host {
@@ -18,13 +20,13 @@ void CsvTable::separate() {
 
 CsvTable& CsvTable::add(double value) {
     separate();
-    if (!std::isnan(value)) text_ += number_text(value);
+    if (!std::isnan(value)) fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}"), value);
     return *this;
 }
 
 CsvTable& CsvTable::add(std::string_view text) {
     separate();
-    text_ += csv_field(text);
+    add_csv_field(text, text_);
     return *this;
 }
 

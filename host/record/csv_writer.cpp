@@ -27,7 +27,7 @@ static_assert(std::atomic<CsvWriter*>::is_always_lock_free, "a signal handler re
 std::string make_row(const std::vector<Column>& columns, std::string Column::*text) {
     std::string line;
     for (const Column& column : columns) {
-        line += csv_field(column.*text);
+        add_csv_field(column.*text, line);
         line += ',';
     }
     line.back() = '\n';
@@ -36,12 +36,15 @@ std::string make_row(const std::vector<Column>& columns, std::string Column::*te
 
 }  // namespace
 
-std::string csv_field(std::string_view text) {
+void add_csv_field(std::string_view text, std::string& line) {
     const auto is_special = [](char c) { return c == ',' || c == '"' || c == '\r' || c == '\n'; };
-    if (std::ranges::none_of(text, is_special)) return std::string(text);
-    std::string quoted = "\"";
-    for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
-    return quoted + '"';
+    if (std::ranges::none_of(text, is_special)) {
+        line += text;
+        return;
+    }
+    line += '"';
+    for (const char c : text) line.append(c == '"' ? 2 : 1, c);
+    line += '"';
 }
 
 std::string csv_header(const std::vector<Column>& columns) {

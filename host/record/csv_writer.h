@@ -15,8 +15,8 @@
 
 namespace dttmm::host {
 
-/// `text` as a field of a CSV file: between quotes where it needs them (RFC 4180).
-std::string csv_field(std::string_view text);
+/// Adds `text` to a line of a CSV file as a field: between quotes where it needs them (RFC 4180).
+void add_csv_field(std::string_view text, std::string& line);
 
 /// Two rows: the names of `columns`, then their units.
 std::string csv_header(const std::vector<Column>& columns);

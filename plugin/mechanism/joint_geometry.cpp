@@ -131,10 +131,14 @@ Matrix6 JointGeometry::by_from(const JointPose& pose) const {
     return G;
 }
 
+Matrix3 JointGeometry::lever_rows(const JointPose& pose) const {
+    return seat_.has_lever ? Matrix3(pose.axes.transpose() * skew(pose.lever)) : Matrix3(Matrix3::Zero());
+}
+
 Matrix6 JointGeometry::by_to(const JointPose& pose) const {
     Matrix6 G = Matrix6::Zero();
     G.topLeftCorner<3, 3>() = G.bottomRightCorner<3, 3>() = pose.axes.transpose();
-    if (seat_.has_lever) G.topRightCorner<3, 3>() = -pose.axes.transpose() * skew(pose.lever);
+    G.topRightCorner<3, 3>() = -lever_rows(pose);
     return G;
 }
 
@@ -163,10 +167,23 @@ Vector6 JointGeometry::stretch(const Vector6& x) const {
 /// G stays in the joint's axes. In world axes, round-off would give a spring through the origin of a frame a small moment.
 /// Each block is worked out by itself. A transposed copy of the other one has other round-off, which a stiff rod multiplies.
 EndBlocks JointGeometry::stiffness(const JointPose& pose, const Matrix6& answer) const {
-    const Matrix6 G[2] = {by_from(pose), by_to(pose)};
+    // G = ∓ [Rᵀ −P; 0 Rᵀ], block by block
+    const Matrix3 &R = pose.axes, Rt = R.transpose(), P[2] = {Rt * skew(pose.arm), lever_rows(pose)};
+    Matrix6 answered;  // without its sign
+    answered.leftCols<3>().noalias() = answer.leftCols<3>() * Rt;
     EndBlocks K;
-    for (int i : {0, 1})
-        for (int j : {0, 1}) K.at[i][j].noalias() = G[i].transpose() * answer * G[j];
+    for (int end : {0, 1}) {
+        answered.rightCols<3>().noalias() = answer.rightCols<3>() * Rt;
+        answered.rightCols<3>().noalias() -= answer.leftCols<3>() * P[end];
+        Matrix6 turned;
+        turned.topRows<3>().noalias() = R * answered.topRows<3>();
+        turned.bottomRows<3>().noalias() = R * answered.bottomRows<3>();
+        for (int at : {0, 1}) {
+            Matrix6& block = K.at[at][end] = turned;
+            block.bottomRows<3>().noalias() -= P[at].transpose() * answered.topRows<3>();
+            if (at != end) block = -block;
+        }
+    }
     return K;
 }
 

@@ -138,6 +138,8 @@ private:
     Vector3 arm_of_line(FrameView from) const {
         return from.axes() * (seat_.from_axes * (seat_.rest - law().axial->length * Vector3::UnitX()));
     }
+    /// Of the lever of the `to` end.
+    Matrix3 lever_rows(const JointPose& pose) const;
     EndBlocks axial_stiffness(FrameView from, FrameView to, const Vector3& force) const;
     void refuse_rotation(double angle) const;
 

@@ -268,8 +268,11 @@ std::optional<int> DynamicStiffness::factor(double lambda, bool with_mass) {
     evaluate_waves(lambda, with_mass);
     assemble();
     if (elimination_->factor()) return std::nullopt;
+    if (elimination_->negatives() == 0) none_below_ = std::max(none_below_, lambda);
     return elimination_->negatives();
 }
+
+std::optional<int> DynamicStiffness::count(double lambda) { return lambda <= none_below_ ? 0 : factor(lambda, false); }
 
 bool DynamicStiffness::factor_far_below(double lambda) {
     evaluate_waves(0, true);
@@ -361,7 +364,7 @@ double DynamicStiffness::stiffest() const {
 }
 
 void refuse_growing(DynamicStiffness& stiffness, double lambda) {
-    const std::optional<int> growing = stiffness.factor(lambda, false);
+    const std::optional<int> growing = stiffness.count(lambda);
     if (growing && *growing > 0)
         throw Error(DTTMM_ERROR_MODEL,
                     fmt::format("{} of its motions would grow, not vibrate: the forces of its springs at the start drive it "

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,8 +47,9 @@ public:
     /// Sets D(λ), λ [1/s²], for products.
     void set(double lambda) { evaluate_waves(lambda, true); }
     /// Sets D(λ) and factors it; the number of natural frequencies below ω. Nothing: λ belongs to one of them, to rounding.
-    /// Without −∂D/∂λ it is quicker, and only counts.
-    std::optional<int> factor(double lambda, bool with_mass = true);
+    std::optional<int> factor(double lambda) { return factor(lambda, true); }
+    /// That number alone. Nothing is factored where none lies below a larger λ.
+    std::optional<int> count(double lambda);
     /// Factors K − λ M, in which lines have the stiffness and the mass that they have at λ = 0: for λ so far below zero that
     /// their waves would overflow. Returns whether it is regular.
     bool factor_far_below(double lambda);
@@ -93,6 +95,7 @@ public:
     double stiffest() const;
 
 private:
+    std::optional<int> factor(double lambda, bool with_mass);
     /// A point between pieces.
     struct Point {
         Vector3 position;
@@ -124,9 +127,10 @@ private:
     std::vector<Waves> waves_;  ///< of each kind
     std::optional<Elimination> elimination_;
     double lambda_ = 0;
+    double none_below_ = -std::numeric_limits<double>::infinity();  ///< the largest λ known to have no frequency below it
 };
 
-/// Factors D(λ), λ < 0 [1/s²]. Throws Error(DTTMM_ERROR_MODEL) if motions grow faster than that allows.
+/// Counts at λ < 0 [1/s²]. Throws Error(DTTMM_ERROR_MODEL) if motions grow faster than that allows.
 void refuse_growing(DynamicStiffness& stiffness, double lambda);
 
 }  // namespace dttmm::plugin

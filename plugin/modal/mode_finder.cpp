@@ -71,7 +71,7 @@ int ModeFinder::count_at(double omega) {
 
 /// Natural frequencies with ω² below λ, motions that grow among them; of those alone with sign_ = −1.
 std::optional<int> ModeFinder::count_beside(double lambda) {
-    const std::optional<int> count = stiffness_.factor(sign_ * lambda, false);
+    const std::optional<int> count = stiffness_.count(sign_ * lambda);
     return sign_ > 0 || !count ? count : growing_ - *count;
 }
 
@@ -115,15 +115,16 @@ int ModeFinder::count_growing(int slack) {
     const double shift = slack == 1 ? 0 : -(slack == 0 ? kWiden : slack) * rounding();
     // An eigenvalue hit to rounding has no count; beside it, by what rounding may make of one, there is one
     for (const double at : {shift, shift - rounding()})
-        if (const auto count = stiffness_.factor(at, false)) return *count;
+        if (const auto count = stiffness_.count(at)) return *count;
     throw Error(DTTMM_ERROR_NUMERIC, "the motions that grow cannot be counted");
 }
 
 /// Where nothing is stiff, all that has a mass is free.
 int ModeFinder::count_free() {
     stiffness_.cut(0);
-    if (stiffness_.stiffest() == 0) return stiffness_.factor(1, false).value_or(0);
-    const int growing = count_growing(0), free = count_rigid() - growing;
+    if (stiffness_.stiffest() == 0) return stiffness_.count(1).value_or(0);
+    // First: where nothing is free, nothing grows
+    const int rigid = count_rigid(), free = rigid - count_growing(0);
     if (free < 0) throw Error(DTTMM_ERROR_NUMERIC, "the motions that nothing holds cannot be counted");
     return free;
 }
@@ -157,7 +158,7 @@ void ModeFinder::find_until(double below, size_t wanted) {
 
 /// Motions of a machine at rest that grow, the fastest first.
 void ModeFinder::find_growing(double lowest) {
-    growing_ = stiffness_.factor(-kWiden * lowest * lowest, false).value_or(0);
+    growing_ = stiffness_.count(-kWiden * lowest * lowest).value_or(0);
     if (growing_ == 0) return;
     sign_ = -1;
     counts_[lowest * std::sqrt(kWiden)] = 0;

@@ -135,6 +135,8 @@ std::vector<std::string> make_verdict(const Diagnosis& found, size_t suspects) {
     for (const auto& alike : found.ties)
         say(fmt::format("Small changes of {} do the same to these data: these data cannot distinguish them", listed(alike)));
     if (!found.unseen.empty()) say(fmt::format("A change of {} does nothing to these data", listed(found.unseen)));
+    for (const Hypothesis& one : found.candidates)
+        if (std::ranges::count(one.are_limits_converged, false) > 0) say(describe_rough_limits({name_of(one)}));
     for (const std::string& sentence : describe_limits(found.fit)) say(sentence);
     if (!found.step.empty()) say(found.step);
     return verdict;
@@ -152,6 +154,7 @@ Json describe(const Hypothesis& one, double best) {
     if (!one.low.empty()) {
         json["low"] = is_one ? low[0] : low;
         json["high"] = is_one ? high[0] : high;
+        json["limits_converged"] = std::ranges::count(one.are_limits_converged, false) == 0;
     }
     json["damping_factor"] = one.dampings.empty()       ? Json()
                              : one.dampings.size() == 1 ? Json(one.dampings[0])

@@ -395,6 +395,7 @@ void Diagnostician::add_intervals(std::span<Trial> trials) const {
             if (one.of != Unknown::Of::stiffness) continue;
             for (const std::optional<double>& at : {std::optional(solution.x(as_row(i))), solution.low[i], solution.high[i]})
                 numbers.push_back(at ? one.value(*at) : kNone);
+            numbers.push_back(solution.are_limits_converged[i] ? 1 : 0);
         }
         return numbers;
     };
@@ -408,10 +409,11 @@ void Diagnostician::add_intervals(std::span<Trial> trials) const {
         Hypothesis& own = trials[t].hypothesis;
         own.factors.clear();
         const auto limit = [&](double number) { return std::isnan(number) ? std::nullopt : std::optional(number); };
-        for (size_t i = 0; i < results[t].numbers.size(); i += 3) {
+        for (size_t i = 0; i < results[t].numbers.size(); i += 4) {
             own.factors.push_back(results[t].numbers[i]);
             own.low.push_back(limit(results[t].numbers[i + 1]));
             own.high.push_back(limit(results[t].numbers[i + 2]));
+            own.are_limits_converged.push_back(results[t].numbers[i + 3] == 1);
         }
     }
 }

@@ -22,6 +22,7 @@ struct Hypothesis {
     bool are_alike = false;                                  ///< all by one factor
     std::vector<double> factors = {};                        ///< of stiffness: of each element; one if they are alike
     std::vector<std::optional<double>> low = {}, high = {};  ///< of the factors at 95 %; none: no limit
+    std::vector<bool> are_limits_converged = {};             ///< of each: false: the search for low or high did not converge
     std::vector<double> dampings = {};                       ///< factors of damping, in the order of those that have any;
                                                              ///< one if they are alike; none: it is the file's
     double chi2 = 0;

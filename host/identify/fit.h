@@ -21,6 +21,7 @@ struct Solution {
     Eigen::MatrixXd slopes;  ///< of the residuals by the coordinates
     Identifiability judged;
     std::vector<std::optional<double>> low, high;  ///< coordinates at 95 %; none: the data give no limit
+    std::vector<bool> are_limits_converged;        ///< false: the search for low or high did not converge
     size_t starts = 0;                             ///< descents that led here
 };
 

@@ -187,6 +187,7 @@ Solution Identifier::make_solution(const Minimum& minimum) const {
     if (solution.judged.flat.empty()) solution.judged = judge_identifiability(slopes, unknowns_, minimum.at_bound);
     solution.low.resize(unknowns_.size());
     solution.high.resize(unknowns_.size());
+    solution.are_limits_converged.assign(unknowns_.size(), true);
     return solution;
 }
 

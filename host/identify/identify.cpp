@@ -38,6 +38,7 @@ Json describe_solution(const Solution& solution, const Unknowns& unknowns, const
             {"value", one.value(x)},
             {"low", limit(solution.low[i])},
             {"high", limit(solution.high[i])},
+            {"limits_converged", static_cast<bool>(solution.are_limits_converged[i])},
             {"deviation",
              std::isfinite(deviation) && !solution.judged.is_dead[i] ? Json(deviation * std::abs(one.slope(x))) : Json()},
             {"unit", one.unit},

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "identify/forked_map.h"
+#include "identify/limit_search.h"
 #include "model/error.h"
 #include "model/index.h"
 
@@ -48,7 +49,7 @@ public:
 
     /// How far chi2 rises. The others begin as a linear model has them, or in line with the last point that was nearer,
     /// whichever is better, and go down from there: near a second solution they follow on a curve.
-    double rise(double distance) {
+    Rise rise(double distance) {
         Eigen::VectorXd x = linear(distance);
         if (last_.size() > 0 && std::abs(last_distance_) < std::abs(distance)) {
             const Eigen::VectorXd ahead = within(solution_.x + distance / last_distance_ * (last_ - solution_.x));
@@ -58,7 +59,7 @@ public:
         x(others_) = minimum.x;
         last_ = x;
         last_distance_ = distance;
-        return std::max(0.0, minimum.chi2() - base_);
+        return {std::max(0.0, minimum.chi2() - base_), minimum.is_converged};
     }
 
 private:
@@ -96,31 +97,6 @@ private:
     double last_distance_ = 0;
 };
 
-/// The distance at which the profile has risen by what is allowed; none: it does not within `reach`, or the model has no
-/// answer there. first: where a linear model has it.
-std::optional<double> find_limit(Profile& profile, double sign, double first, double reach, double allowed) {
-    constexpr double kEnough = 0.1;  // of what is allowed: 5 % of the interval
-    constexpr int kMostTries = 20;
-    double distance = first, within = 0, beyond = std::numeric_limits<double>::infinity();
-    for (int n = 0; n < kMostTries; ++n) {
-        distance = std::min(distance, reach);
-        double risen = 0;
-        try {
-            risen = profile.rise(sign * distance);
-        } catch (const Error&) {
-            return std::nullopt;
-        }
-        if (std::abs(risen - allowed) < kEnough * allowed) break;
-        if (distance >= reach && risen < allowed) return std::nullopt;
-        (risen < allowed ? within : beyond) = distance;
-        // chi2 is nearly a parabola; far from one no step is trusted beyond a factor of three
-        distance *= std::clamp(std::sqrt(allowed / std::max(risen, 1e-12)), 1.0 / 3, 3.0);
-        if (distance <= within || distance >= beyond) distance = (within + beyond) / 2;
-        if (beyond - within < kEnough / 2 * beyond) break;  // a step
-    }
-    return distance;
-}
-
 /// Of chi2, at the ends of an interval of 95 %. Where the noise is an estimate, by the fewest differences behind it.
 double allowed_rise(const Residuals& residuals) {
     const Comparison& comparison = residuals.comparison();
@@ -141,26 +117,30 @@ double allowed_rise(const Residuals& residuals) {
 void find_intervals(const Residuals& residuals, Solution& solution, double inflation) {
     const Unknowns& unknowns = residuals.unknowns();
     const double allowed = inflation * inflation * allowed_rise(residuals);
-    const auto limit = [&](size_t unknown, double sign) -> std::optional<double> {
+    const auto limit = [&](size_t unknown, double sign) -> Limit {
         const Unknown& one = unknowns[unknown];
         const double deviation = solution.judged.deviations(as_row(unknown)), x = solution.x(as_row(unknown));
-        if (solution.judged.is_dead[unknown] || !std::isfinite(deviation)) return std::nullopt;
+        if (solution.judged.is_dead[unknown] || !std::isfinite(deviation)) return {};
         const double reach = std::abs(one.coordinate(sign > 0 ? one.high : one.low) - x);
         Profile profile(residuals, solution, unknown, allowed);
         const double first = deviation > 0 ? std::sqrt(allowed) * deviation : 0.1 * reach;
-        const std::optional<double> distance = find_limit(profile, sign, first, reach, allowed);
-        return distance ? std::optional(x + sign * *distance) : std::nullopt;
+        return find_limit([&](double distance) { return profile.rise(sign * distance); }, first, reach, allowed);
     };
     const std::vector<TaskResult> limits = map_in_processes(2 * unknowns.size(), residuals.jobs(), [&](size_t task) {
-        const std::optional<double> found = limit(task / 2, task % 2 == 0 ? -1 : 1);
-        return found ? std::vector<double>{*found} : std::vector<double>();
+        const double sign = task % 2 == 0 ? -1 : 1;
+        const Limit found = limit(task / 2, sign);
+        std::vector<double> numbers = {found.is_converged ? 1.0 : 0.0};
+        if (found.distance) numbers.push_back(solution.x(as_row(task / 2)) + sign * *found.distance);
+        return numbers;
     });
     for (size_t i = 0; i < unknowns.size(); ++i) {
-        if (!limits[2 * i].numbers.empty()) solution.low[i] = limits[2 * i].numbers.front();
-        if (!limits[2 * i + 1].numbers.empty()) solution.high[i] = limits[2 * i + 1].numbers.front();
-        if (solution.at_bound[i]) {
-            const bool is_low = solution.x(as_row(i)) <= unknowns.low()(as_row(i));
-            (is_low ? solution.low : solution.high)[i].reset();
+        const bool is_at_low = solution.at_bound[i] && solution.x(as_row(i)) <= unknowns.low()(as_row(i));
+        solution.are_limits_converged[i] = true;
+        for (const bool is_high : {false, true}) {
+            if (solution.at_bound[i] && is_at_low != is_high) continue;  // there is no limit beyond a bound that holds
+            const std::vector<double>& numbers = limits[2 * i + (is_high ? 1 : 0)].numbers;
+            solution.are_limits_converged[i] = solution.are_limits_converged[i] && !numbers.empty() && numbers.front() == 1;
+            if (numbers.size() > 1) (is_high ? solution.high : solution.low)[i] = numbers[1];
         }
     }
 }

@@ -46,12 +46,13 @@ std::string describe_value(const Solution& solution, const Unknowns& unknowns, s
         return fmt::format("{} is not fixed: nothing that was measured changes with it", one.name);
     const auto& low = solution.low[i];
     const auto& high = solution.high[i];
-    if (!low && !high) return fmt::format("{} is not fixed by the data", one.name);
+    const char* doubt = solution.are_limits_converged[i] ? "" : ", limits not converged";
+    if (!low && !high) return fmt::format("{} is not fixed by the data{}", one.name, doubt);
     const auto text = [&](const std::optional<double>& limit, const char* none) {
         return limit ? fmt::format("{:.6g}", one.value(*limit)) : std::string(none);
     };
-    return fmt::format("{} = {:.6g}{} ({} to {})", one.name, one.value(solution.x(as_row(i))), unit,
-                       text(low, "no lower limit"), text(high, "no upper limit"));
+    return fmt::format("{} = {:.6g}{} ({} to {}{})", one.name, one.value(solution.x(as_row(i))), unit,
+                       text(low, "no lower limit"), text(high, "no upper limit"), doubt);
 }
 
 std::string join_sentences(const std::vector<std::string>& sentences) {
@@ -105,6 +106,10 @@ Json describe_fit(const Fit& fit) {
             {"chance_of_correlation", fit.whiteness},
             {"inflation", fit.inflation},
             {"explained", fit.is_explained()}};
+}
+
+std::string describe_rough_limits(const std::vector<std::string>& names) {
+    return fmt::format("The search for the limits of {} did not converge: the interval is a guess", listed(names));
 }
 
 std::vector<std::string> describe_limits(const Fit& fit) {
@@ -211,6 +216,9 @@ std::vector<std::string> make_verdict(const Identification& found, const Compari
                 describe_combination(found.flat_in_file[k], unknowns)));
     if (const auto held = names_where(unknowns, best.at_bound); !held.empty())
         say(fmt::format("{} {} at a bound: the data want it beyond", listed(held), are(held.size())));
+    std::vector<bool> are_rough = best.are_limits_converged;
+    are_rough.flip();
+    if (const auto rough = names_where(unknowns, are_rough); !rough.empty()) say(describe_rough_limits(rough));
     for (const std::string& sentence : describe_limits(fit)) say(sentence);
     if (const std::string shift = describe_step(found.step_bias, best, unknowns, comparison.time_step()); !shift.empty())
         say(shift);

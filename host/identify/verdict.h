@@ -26,6 +26,8 @@ Json describe_groups(const Comparison& comparison);
 Json describe_fit(const Fit& fit);
 /// Sentences on what limits a fit: noise that was assumed or estimated, offsets, correlation. They stand behind a verdict.
 std::vector<std::string> describe_limits(const Fit& fit);
+/// That the limits of these were not found. They stand behind a verdict.
+std::string describe_rough_limits(const std::vector<std::string>& names);
 /// That the time step shifts unknowns by more than their intervals allow; empty: it does not.
 std::string describe_step(const Eigen::VectorXd& bias, const Solution& solution, const Unknowns& unknowns, double step);
 /// "chi2 5189 for 4004 points, 1.3 % of the largest value left"; and that residuals are correlated, where they are.

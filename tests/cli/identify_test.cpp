@@ -160,8 +160,28 @@ TEST_F(Identify, IntervalsHoldASecondSolutionNearBy) {
             for (const char* end : {"low", "high"})
                 EXPECT_NEAR(profile(solution["parameters"]["k1"][end].get<double>()) / 3.8415, 1, 0.12)
                     << apart << " " << end;
+        for (const auto& solution : json["solutions"])
+            EXPECT_TRUE(solution["parameters"]["k1"]["limits_converged"].get<bool>()) << apart;
         EXPECT_EQ(covers(json, "k1", k1) && covers(json, "k1", 2e4), apart < 1.3) << apart;
     }
+}
+
+// A stiffness that does not feel its parameter near the file's value, and does 1 % away, where the slope is taken. The
+// interval of the slope is 3e9 times too short, more than the search can make up for.
+TEST_F(Identify, ASearchForLimitsThatDoesNotConvergeIsTold) {
+    std::string model = shear_frame({1}, {1e4});
+    model.replace(model.find("\"=k1\""), 4, "\"=k1*(1 + 0.5*max(-1, min(1, ((p - 1)/0.008)^21)))");
+    model.insert(model.find("k1 ="), "p = 1\n");
+    write_text(folder_ / "model.toml", model);
+    const double f = std::sqrt(1e4) / (2 * M_PI);
+    write_text(folder_ / "data.csv", fmt::format("frequency,frequency.deviation\nHz,Hz\n{:.17g},{:.17g}\n", f, 1e-11 * f));
+    const Ended ended = identify({"--measured", "data.csv", "--free", "p", "--starts", "1"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, AllOf(HasSubstr("The search for the limits of p did not converge: the interval is a guess."),
+                                 HasSubstr("limits not converged)")));
+    const nlohmann::json own = found()["solutions"][0]["parameters"]["p"];
+    EXPECT_FALSE(own["limits_converged"].get<bool>());
+    EXPECT_THAT(found()["verdict"].get<std::string>(), HasSubstr("limits of p did not converge"));
 }
 
 // Eighteen storeys, three modes at six floors. Data: the same repository, EighteenStoryStructure.

@@ -10,18 +10,27 @@ namespace dttmm::host {
 
 namespace {
 
-/// FORTRAN's E13.5, E20.12 and D25.16, with E for the letter: every reader knows it.
+/// FORTRAN's E20.12 and D25.16, with E for the letter: every reader knows it.
 std::string real_field(double value, int width, int digits) {
     constexpr double kLeast = 1e-99;  // with two digits of the exponent; three would fill the field
     return fmt::format("{:{}.{}E}", std::abs(value) < kLeast ? 0.0 : value, width, digits);
 }
 
-std::string single(double value) { return real_field(value, 13, 5); }
-/// One digit more than E13.5: a positive number still has a blank before it.
-std::string abscissa_field(double value) { return real_field(value, 13, value < 0 ? 5 : 6); }
+/// As many digits as 13 columns hold behind a blank: seven with an exponent, eleven of most numbers without. Who reads by
+/// FORTRAN's E13.5 takes both: a decimal point in the field counts before that of the format.
+std::string single(double value) {
+    constexpr int kWidth = 13;
+    constexpr double kLeast = 1e-3, kMost = 1e9;  // of a magnitude that has more digits without an exponent
+    if (!(std::abs(value) >= kLeast && std::abs(value) < kMost)) return real_field(value, kWidth, value < 0 ? 5 : 6);
+    const int whole = std::max(1, static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1);
+    const int taken = 1 + (value < 0 ? 1 : 0) + whole + 1;  // the blank, a sign, the digits before the point, the point
+    std::string field = fmt::format("{:{}.{}f}", value, kWidth, kWidth - taken);
+    if (field.front() != ' ') field = fmt::format("{:{}.{}f}", value, kWidth, kWidth - taken - 1);  // 9.999… became 10
+    return field;
+}
 std::string twice(double value) { return real_field(value, 20, 12); }
 
-double as_written(double place) { return std::stod(abscissa_field(place)); }
+double as_written(double place) { return std::stod(single(place)); }
 
 /// A text field of so many bytes.
 std::string text_field(std::string_view text, std::size_t width, bool is_padded = true) {
@@ -52,7 +61,7 @@ std::string degree_fields(const UniversalDegree& degree) {
 bool are_even(std::span<const double> places) {
     if (places.size() < 2) return true;
     const double distance = (places.back() - places.front()) / static_cast<double>(places.size() - 1);
-    constexpr double kShare = 1e-6;  // of the distance: its seventh digit
+    constexpr double kShare = 1e-6;  // of the distance: what first and distance cannot say of a place between them
     for (std::size_t i = 0; i < places.size(); ++i)
         if (!(std::abs(places[i] - places.front() - static_cast<double>(i) * distance) <= kShare * distance)) return false;
     return distance > 0;
@@ -117,15 +126,15 @@ void UniversalFile::write(const UniversalCurve& curve) {
                            degree_fields(curve.response), degree_fields(curve.reference)));
     const double first = is_even && count > 0 ? curve.places.front() : 0;
     const double distance = is_even && count > 1 ? (curve.places.back() - first) / static_cast<double>(count - 1) : 0;
-    write_line(fmt::format("{:10}{:10}{:10}{}{}{}", is_complex ? 6 : 4, count, is_even ? 1 : 0, abscissa_field(first),
-                           abscissa_field(distance), single(0)));
+    write_line(fmt::format("{:10}{:10}{:10}{}{}{}", is_complex ? 6 : 4, count, is_even ? 1 : 0, single(first),
+                           single(distance), single(0)));
     for (const UniversalAxis& axis : {curve.abscissa, curve.numerator, curve.denominator, UniversalAxis()})
         write_line(axis_record(axis));
     // Double precision: even 4E20.12; uneven 2(E13.5, E20.12), of complex values E13.5, 2E20.12
     const std::size_t per_line = is_complex ? (is_even ? 2 : 1) : (is_even ? 4 : 2);
     std::string line;
     for (std::size_t i = 0; i < count; ++i) {
-        if (!is_even) line += abscissa_field(curve.places[i]);
+        if (!is_even) line += single(curve.places[i]);
         line += is_complex ? twice(curve.complex[i].real()) + twice(curve.complex[i].imag()) : twice(curve.real[i]);
         if ((i + 1) % per_line != 0 && i + 1 < count) continue;
         write_line(line);

@@ -95,10 +95,10 @@ public:
     /// Dataset 15, in single precision, and 2411, in double precision: two forms of the same.
     void write_nodes_15(std::span<const UniversalNode> nodes);
     void write_nodes_2411(std::span<const UniversalNode> nodes);
-    /// Double precision. Abscissae at equal distances are written as first and distance with seven digits. Others stand
-    /// with seven digits beside their values: the format has no more columns for them.
+    /// Double precision. Abscissae at equal distances are written as first and distance. Others stand beside their values.
+    /// The format has 13 columns for an abscissa: eleven digits of most, seven of those below 1e-3 and from 1e9 on.
     void write(const UniversalCurve& curve);
-    /// The format has five decimals for the numbers of a mode.
+    /// The format has 13 columns for the numbers of a mode, too.
     void write(const UniversalMode& mode);
 
 private:
@@ -109,10 +109,10 @@ private:
     std::ostream& out_;
 };
 
-/// Whether abscissae are at equal distances, to what seven digits can tell of a distance.
+/// Whether abscissae are at equal distances, to a millionth of the distance.
 bool are_even(std::span<const double> places);
 
-/// Different abscissae that seven digits cannot tell apart from the one before: how many.
+/// Different abscissae that 13 columns cannot tell apart from the one before: how many.
 std::size_t count_merged(std::span<const double> places);
 
 }  // namespace dttmm::host

@@ -233,7 +233,7 @@ std::string FunctionWriter::remarks() const {
     std::string text;
     if (left_out_ > 0) text += fmt::format("\nleft out: {} without a value", counted(left_out_, "point", "points"));
     if (merged_ > 0)
-        text += fmt::format("\nabscissae have seven digits in this format: {} of a curve {} that of the one before",
+        text += fmt::format("\nabscissae have twelve characters in this format: {} of a curve {} that of the one before",
                             counted(merged_, "point", "points"), merged_ == 1 ? "has" : "have");
     return text;
 }

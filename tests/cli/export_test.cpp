@@ -184,7 +184,7 @@ TEST(Export, AResponseToAUnitForceIsAFrequencyResponse) {
     const auto back = read_uff_values(sets[0]);
     ASSERT_EQ(back.size(), frequency.size());
     for (std::size_t i = 0; i < frequency.size(); ++i) {
-        EXPECT_NEAR(back[i][0], frequency[i], 5e-7 * frequency[i]);
+        EXPECT_NEAR(back[i][0], frequency[i], 5e-11 * frequency[i]);
         EXPECT_NEAR(back[i][1], real[i], 5e-13 * std::abs(real[i]));
         EXPECT_NEAR(back[i][2], imaginary[i], 5e-13 * std::abs(imaginary[i]));
     }

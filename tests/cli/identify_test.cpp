@@ -578,6 +578,42 @@ TEST_F(Identify, TheForceAtADrivingPointHasThePlaceOfTheResponse) {
     EXPECT_NEAR(value(found(), "k1"), 4e5, 1e-6 * 4e5);
 }
 
+// Frequencies where the curves bend are at unequal distances, and stand with the digits that 13 columns hold. Oracle: the
+// secret values, and that nothing but rounding is left: no model error is seen in it.
+TEST_F(Identify, AnExportedResponseIsExplainedByItsOwnModel) {
+    write_text(folder_ / "model.toml", struck_plate());
+    ASSERT_EQ(run_dttmm(folder_.path(),
+                        {"response", "model.toml", "-q", "-o", "secret", "--in", "plate.corner1.z", "--out",
+                         "plate.corner*.acceleration.z", "--from", "1 Hz", "--to", "200 Hz", "--set", "k1=400 N/mm"})
+                  .code,
+              0);
+    ASSERT_EQ(run_dttmm(folder_.path(), {"export", "secret", "--uff58"}).code, 0);
+    const Ended ended = identify({"--measured", "secret.uff", "--free", "k1,k2,c", "--starts", "1"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, AllOf(HasSubstr("The model explains the data"), Not(HasSubstr("correlated:"))));
+    EXPECT_NEAR(value(found(), "k1"), 4e5, 1e-8 * 4e5);
+}
+
+// Oracle: the secret value. Nine digits of the frequencies are asked for, and the file has eleven.
+TEST_F(Identify, ExportedModesAreExplainedByTheirOwnModel) {
+    write_text(folder_ / "model.toml", struck_plate());
+    ASSERT_EQ(
+        run_dttmm(folder_.path(), {"modes", "model.toml", "-q", "-o", "secret", "--count", "6", "--set", "k1=400 N/mm"})
+            .code,
+        0);
+    ASSERT_EQ(run_dttmm(folder_.path(), {"export", "secret", "--uff55"}).code, 0);
+    std::vector<std::string> words = {"--measured", "secret.uff", "--free", "k1", "--starts", "1", "--noise", "1e-9"};
+    for (int node = 1; node <= 5; ++node)
+        for (const char* axis : {"x", "y", "z"}) {
+            const std::string place = node == 1 ? "plate" : fmt::format("plate.corner{}", node - 1);
+            words.insert(words.end(), {"--map", fmt::format("{0}.{1} = {2}.{1}", node, axis, place)});
+        }
+    const Ended ended = identify(words);
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, HasSubstr("The model explains the data"));
+    EXPECT_NEAR(value(found(), "k1"), 4e5, 1e-8 * 4e5);
+}
+
 // A machine that moves in z alone: what `dttmm response` wrote of x and y is zero. Oracle: the secret value.
 TEST_F(Identify, ResponsesOfZerosAreLeftOut) {
     const auto model = [](double stiffness) {

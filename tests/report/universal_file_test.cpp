@@ -86,14 +86,35 @@ TEST(UniversalFile, UnevenAbscissaeStandBesideTheirValues) {
     ASSERT_EQ(back.size(), 5u);
     ASSERT_EQ(both.size(), 5u);
     for (std::size_t i = 0; i < 5; ++i) {
-        EXPECT_NEAR(back[i][0], places[i], 5e-7 * places[i]);
+        EXPECT_NEAR(back[i][0], places[i], 5e-11 * places[i]);
         EXPECT_EQ(back[i][1], values[i]);
         EXPECT_EQ(both[i][0], back[i][0]);
         EXPECT_EQ(both[i][1], pairs[i].real());
         EXPECT_EQ(both[i][2], pairs[i].imag());
     }
     EXPECT_EQ(count_merged(places), 0u);
-    EXPECT_EQ(count_merged(std::vector<double>{1, 1.00000001, 2, 2, 3}), 1u) << "the second 2 was one before";
+    EXPECT_EQ(count_merged(std::vector<double>{1, 1.00000001, 2, 2, 3}), 0u);
+    EXPECT_EQ(count_merged(std::vector<double>{1, 1.000000000001, 2, 2, 3}), 1u) << "the second 2 was one before";
+}
+
+// Oracle: the numbers written. Of 13 columns one is a blank, one the point, one perhaps a sign: ten digits and more are left
+// without an exponent, six or seven with one.
+TEST(UniversalFile, NumbersHaveAllTheDigitsThatTheirColumnsHold) {
+    const std::vector<double> places = {-98765.4321098765, -9.99999999996, -1.23456789e-5, 1.23456789012e-5, 0.0123456789012,
+                                        9.9999999999996,   15.9154943092,  999999999.96,   1.2345678e12};
+    UniversalCurve curve = curve_over(places);
+    std::vector<double> values(places.size(), -1);
+    curve.real = values;
+    const UffSet set = written(curve);
+    const auto back = read_uff_values(set);
+    ASSERT_EQ(back.size(), places.size());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const double size = std::abs(places[i]);
+        const bool has_exponent = size < 1e-3 || size > 1e9;
+        const double rounding = has_exponent ? (places[i] < 0 ? 5e-6 : 5e-7) * size : 5e-11 * std::max(1.0, size);
+        EXPECT_NEAR(back[i][0], places[i], rounding) << i;
+        EXPECT_EQ(set.text(11 + i / 2, 1 + 33 * (i % 2), 1 + 33 * (i % 2)), " ") << "numbers touch: " << i;
+    }
 }
 
 TEST(UniversalFile, SpacingIsEvenOnlyToTheDigitsOfTheFormat) {
@@ -117,7 +138,7 @@ TEST(UniversalFile, TextsAreCutBetweenCharacters) {
     EXPECT_EQ(set.text(5, 57, 66), "123456789 ");
 }
 
-// Oracle: the numbers written; single precision has six digits.
+// Oracle: the numbers written.
 TEST(UniversalFile, RealAndComplexModesComeBack) {
     UniversalMode mode;
     mode.lines[0] = "mode 3";

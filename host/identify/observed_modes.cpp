@@ -26,8 +26,9 @@ struct ShapeColumn {
     double factor;
 };
 
-/// A complex shape is turned so that it is as real as it can be.
-void take_shape(const MeasuredMode& mode, const std::vector<ShapeColumn>& columns, Eigen::Index freedoms,
+/// A complex shape is turned so that it is as real as it can be. Returns whether it is zero wherever it was measured: then
+/// it tells nothing and is left out.
+bool take_shape(const MeasuredMode& mode, const std::vector<ShapeColumn>& columns, Eigen::Index freedoms,
                 ObservedMode& own) {
     std::complex<double> squares = 0;
     for (const ShapeColumn& one : columns) {
@@ -37,9 +38,11 @@ void take_shape(const MeasuredMode& mode, const std::vector<ShapeColumn>& column
     const std::complex<double> turn = std::polar(1.0, -0.5 * std::arg(squares));
     own.shape.setConstant(freedoms, kNotMeasured);
     double largest = 0;
+    bool is_measured = false;
     for (const ShapeColumn& one : columns) {
         const std::complex<double>& value = mode.shape[one.column];
         if (!std::isfinite(std::abs(value))) continue;
+        is_measured = true;
         own.shape(one.row) = one.factor * (turn * value).real();
         largest = std::max(largest, std::abs(own.shape(one.row)));
     }
@@ -47,6 +50,7 @@ void take_shape(const MeasuredMode& mode, const std::vector<ShapeColumn>& column
         own.shape /= largest;
     else
         own.shape.resize(0);
+    return is_measured && largest == 0;
 }
 
 }  // namespace
@@ -105,6 +109,8 @@ void add_modes(const Measurement& measurement, const NoiseLevel& noise, ModelNam
                                   quote(example)));
     observations.are_frequencies_known = observations.are_frequencies_known || noise.is_known();
     std::map<int, int> rows_of_number;
+    size_t zeros = 0;
+    std::string first_zero;
     for (size_t i = 0; i < measurement.modes.size(); ++i) {
         const MeasuredMode& mode = measurement.modes[i];
         ObservedMode own;
@@ -118,9 +124,16 @@ void add_modes(const Measurement& measurement, const NoiseLevel& noise, ModelNam
             own.deviation = mode.frequency_deviation / mode.frequency;
             observations.are_frequencies_known = true;
         }
-        take_shape(mode, columns, as_row(observations.freedoms.size()), own);
+        if (take_shape(mode, columns, as_row(observations.freedoms.size()), own) && zeros++ == 0)
+            first_zero = fmt::format("{} of {:.6g} Hz", mode.place, mode.frequency);
         observations.modes.push_back(std::move(own));
     }
+    if (zeros > 0)
+        warnings.add(
+            "zero-shapes",
+            fmt::format("{}, as {}: not used. Without a shape a mode is taken for the model's mode of its number; "
+                        "delete the row if its frequency is no mode of the model",
+                        counted(zeros, "shape is zero at all sensors", "shapes are zero at all sensors"), first_zero));
 }
 
 void complete_shapes(Observations& observations) {

@@ -578,6 +578,27 @@ TEST_F(Identify, TheForceAtADrivingPointHasThePlaceOfTheResponse) {
     EXPECT_NEAR(value(found(), "k1"), 4e5, 1e-6 * 4e5);
 }
 
+// Oracle: without the shape the answer is that of a file that has nothing at these sensors.
+TEST_F(Identify, AShapeOfZerosIsLeftOutWithAWord) {
+    write_text(folder_ / "model.toml", shear_frame({1.2, 0.8, 1.7}, {1.3e4, 0.9e4, 2.2e4}));
+    const auto identify_with = [&](const char* second) {
+        write_text(folder_ / "data.csv", fmt::format("mode,f_Hz,floor1,floor2,floor3\n1,7.1,0.39,0.86,1\n2,21.9,{}\n"
+                                                     "3,36.7,-0.23,1,-0.34\n",
+                                                     second));
+        return identify({"--measured", "data.csv", "--free", "k1..k3", "--starts", "1"});
+    };
+    const Ended zero = identify_with("0,0,0");
+    ASSERT_EQ(zero.code, 0) << zero.err;
+    EXPECT_THAT(zero.err, AllOf(HasSubstr("1 shape is zero at all sensors, as data.csv:3 of 21.9 Hz: not used"),
+                                HasSubstr("taken for the model's mode of its number")));
+    const nlohmann::json with_zeros = found();
+    EXPECT_EQ(with_zeros["warnings"][0]["code"], "zero-shapes");
+    const Ended empty = identify_with(",,");
+    ASSERT_EQ(empty.code, 0) << empty.err;
+    EXPECT_THAT(empty.err, Not(HasSubstr("zero")));
+    for (const char* name : {"k1", "k2", "k3"}) EXPECT_EQ(value(with_zeros, name), value(found(), name)) << name;
+}
+
 // Frequencies where the curves bend are at unequal distances, and stand with the digits that 13 columns hold. Oracle: the
 // secret values, and that nothing but rounding is left: no model error is seen in it.
 TEST_F(Identify, AnExportedResponseIsExplainedByItsOwnModel) {

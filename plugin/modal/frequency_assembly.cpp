@@ -103,7 +103,7 @@ void FrequencyAssembly::add_nodes(const Assembly& assembly) {
         const Pose& pose = assembly.frames[as_size(node.frame)].pose;
         model_.nodes.push_back({frame_of_[as_size(node.frame)], pose.position + pose.rotation * node.offset});
     }
-    if (!model_.directions.all()) refer_to_nodes();
+    if (!model_.directions.all()) refer_masses(assembly);
     for (uint32_t e = 0; e < network.element_count; ++e) {
         const dttmm_element& own = network.elements[e];
         model_.ends.push_back({as_int(own.ends[0]), as_int(own.ends[own.end_count > 1 ? 1 : 0])});
@@ -114,19 +114,25 @@ void FrequencyAssembly::add_nodes(const Assembly& assembly) {
     }
 }
 
-/// In a reduced state directions are left out at the first node of a frame. The centre of mass keeps all the velocity that
-/// the rotations give it, as in the paper's J_xx + m (c2² + c3²).
-void FrequencyAssembly::refer_to_nodes() {
-    std::vector<bool> is_referred(model_.frames.size());
-    for (const FrequencyModel::Node& node : model_.nodes) {
-        if (node.frame < 0 || is_referred[as_size(node.frame)]) continue;
-        is_referred[as_size(node.frame)] = true;
-        Vector3& origin = model_.frames[as_size(node.frame)].position;
-        const Matrix6 to_centre = FrequencyModel::at_point(origin, node.position);
-        for (FrequencyModel::Mass& mass : model_.masses)
-            if (mass.frame == node.frame) mass.block = to_centre.transpose() * mass.block * to_centre;
-        origin = node.position;
+/// In a reduced state directions are left out at the first node of a frame, and of a segment on the elastic axis. The centre
+/// of mass keeps all the velocity that the rotations give it, as in the paper's J_xx + m (c2² + c3²).
+void FrequencyAssembly::refer_masses(const Assembly& assembly) {
+    std::vector<std::optional<Vector3>> points(model_.frames.size());
+    for (const FrequencyModel::Node& node : model_.nodes)
+        if (node.frame >= 0 && !points[as_size(node.frame)]) points[as_size(node.frame)] = node.position;
+    for (const SegmentsSpec& line : assembly.segments)
+        for (int s = line.first; s < line.first + line.count; ++s) {
+            const Pose& pose = assembly.frames[as_size(s)].pose;
+            points[as_size(frame_of_[as_size(s)])] = pose.position + pose.rotation * line.arm;
+        }
+    for (FrequencyModel::Mass& mass : model_.masses) {
+        const std::optional<Vector3>& point = points[as_size(mass.frame)];
+        if (!point) continue;
+        const Matrix6 to_centre = FrequencyModel::at_point(model_.frames[as_size(mass.frame)].position, *point);
+        mass.block = to_centre.transpose() * mass.block * to_centre;
     }
+    for (size_t f = 0; f < points.size(); ++f)
+        if (points[f]) model_.frames[f].position = *points[f];
 }
 
 /// joints, links: of a machine at rest.

@@ -23,7 +23,7 @@ private:
     void add_bodies();
     void add_inner_frames(const Assembly& assembly);
     void add_nodes(const Assembly& assembly);
-    void refer_to_nodes();
+    void refer_masses(const Assembly& assembly);
     void add_joints(const Assembly& assembly, const std::vector<Joint>& joints,
                     const std::vector<const AtRest::Link*>& links);
     void add_constraints();

@@ -365,6 +365,35 @@ material = { E = 200e9, poisson = 0.3, density = 8000 }
     expect_frequencies(found, {77.522, 232.565}, 7e-6);
 }
 
+// A lumped beam whose mass is beside its elastic axis, which `dofs` keep straight: its segments turn about the axis with all
+// of their inertia. Oracle: the chain in closed form, f_k = 1/π √(GJ/I) n/L sin((2k − 1)π/4n), for half a spring at the
+// clamped end and none at the free one.
+TEST(ModesCases, ALumpedBeamTurnsAboutItsElasticAxis) {
+    const double GJ = 800, inertia = 2e-3, length = 1.3;
+    const int segments = 7;
+    const nlohmann::json found = modes_of(fmt::format(R"(format = "dttmm/1"
+dofs = ["x", "rx"]
+[modes]
+count = 3
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "rx"] }}
+b = [{}, 0, 0]
+[[element]]
+name = "beam"
+type = "beam"
+from = "a"
+to = "b"
+segments = {}
+section = {{ EA = 2e9, EIy = 1e3, EIz = 1.5e3, GJ = {}, GAy = 6e6, GAz = 7e6, mass = 0.6, mass_offset = [0.02, 0.03], inertia = {} }}
+)",
+                                                      length, segments, GJ, inertia),
+                                          {"--beams", "lumped"});
+    std::vector<double> expected;
+    for (int k = 1; k <= 3; ++k)
+        expected.push_back(std::sqrt(GJ / inertia) * segments / length * std::sin((2 * k - 1) * kPi / (4 * segments)) / kPi);
+    expect_frequencies(frequencies_of(found), expected, kRounding);
+}
+
 /// Wall, spring, mass, spring, mass along x, all equal but what is told.
 std::string two_masses(const std::string& extra = "") {
     return R"(format = "dttmm/1"

@@ -31,17 +31,17 @@ const AdaptivePoints::Values* AdaptivePoints::take(double x) {
     std::vector<double>& sizes = sizes_[x];
     for (size_t c = 0; c < values.size(); ++c) {
         const double size = std::abs(values[c]);
-        const size_t kind = kinds_[c].of;
+        const size_t kind = kinds_[c].index;
         largest_[c] = std::max(largest_[c], size);
         if (kind >= sizes.size()) sizes.resize(kind + 1);
-        sizes[kind] = std::max(sizes[kind], kinds_[c].per_unit * size);
+        sizes[kind] = std::max(sizes[kind], kinds_[c].scale * size);
     }
     return &points_.emplace(x, std::move(values)).first->second;
 }
 
 /// Smaller magnitudes of a curve at x need not be straight.
 double AdaptivePoints::floor_of(size_t c, double x) const {
-    return std::max(kSmall * largest_[c], kRoundingOfKind * sizes_.at(x)[kinds_[c].of] / kinds_[c].per_unit);
+    return std::max(kSmall * largest_[c], kRoundingOfKind * sizes_.at(x)[kinds_[c].index] / kinds_[c].scale);
 }
 
 /// Whether the values at x1, between x0 and x2, are where a straight line has them.
@@ -49,7 +49,7 @@ bool AdaptivePoints::is_straight(double x0, double x1, double x2) const {
     const Values &v0 = points_.at(x0), &v1 = points_.at(x1), &v2 = points_.at(x2);
     const double s = (x1 - x0) / (x2 - x0);
     for (size_t c = 0; c < v1.size(); ++c) {
-        if (!kinds_[c].is_drawn) continue;
+        if (!kinds_[c].is_curve) continue;
         const double size = std::abs(v1[c]), floor = floor_of(c, x1);
         const double straight = (1 - s) * std::abs(v0[c]) + s * std::abs(v2[c]);
         if (std::max({size, std::abs(v0[c]), std::abs(v2[c])}) <= floor) continue;
@@ -66,7 +66,7 @@ bool AdaptivePoints::is_straight(double x0, double x1, double x2) const {
 bool AdaptivePoints::is_rising(double x0, double x2) const {
     const auto left = points_.find(x0), right = points_.find(x2);
     for (size_t c = 0; c < kinds_.size(); ++c) {
-        if (!kinds_[c].is_drawn) continue;
+        if (!kinds_[c].is_curve) continue;
         const auto size = [&](const auto& point) { return std::abs(point->second[c]); };
         const double here = std::max(size(left), size(right)) / (1 + kTolerance);
         if (here <= floor_of(c, x0) && here <= floor_of(c, x2)) continue;
@@ -120,7 +120,7 @@ bool AdaptivePoints::close_in(size_t c, double x) {
 /// kTolerance.
 bool AdaptivePoints::find_peaks() {
     for (size_t c = 0; c < largest_.size(); ++c) {
-        if (!kinds_[c].is_drawn) continue;
+        if (!kinds_[c].is_curve) continue;
         std::vector<double> tops;
         for (auto point = std::next(points_.begin()); std::next(point) != points_.end(); ++point) {
             const auto size = [&](const auto& at) { return std::abs(at->second[c]); };

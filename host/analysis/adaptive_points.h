@@ -20,9 +20,9 @@ public:
 
     /// What a curve is of.
     struct Kind {
-        size_t of = 0;
-        double per_unit = 1;   ///< times the magnitude: comparable with others of the kind
-        bool is_drawn = true;  ///< else its values only tell how large things of the kind are
+        size_t index = 0;
+        double scale = 1;      ///< times the magnitude: comparable with others of the kind
+        bool is_curve = true;  ///< else its values only tell how large things of the kind are
     };
 
     /// kinds: of every curve.

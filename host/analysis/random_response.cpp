@@ -10,7 +10,7 @@ RandomResponse find_random_response(const Excitation& excitation, double from, d
                                     const RandomAmplitudes& amplitudes, const std::vector<AdaptivePoints::Kind>& kinds,
                                     size_t most_points, const std::function<bool()>& is_asked_to_stop) {
     const size_t block = kinds.size(), loads = excitation.random_count();
-    const auto channels = static_cast<size_t>(std::ranges::count_if(kinds, &AdaptivePoints::Kind::is_drawn));
+    const auto channels = static_cast<size_t>(std::ranges::count_if(kinds, &AdaptivePoints::Kind::is_curve));
     std::vector<double> corners = {from, to};
     for (const double corner : excitation.random_corners())
         if (corner > from && corner < to) corners.push_back(corner);

@@ -130,7 +130,7 @@ std::map<double, ResponseCurves::Values> ResponseCurves::find_points(const Respo
     std::vector<AdaptivePoints::Kind> all;
     for (size_t i = 0; i < cases; ++i)
         for (AdaptivePoints::Kind kind : block) {
-            kind.of += i * ResponseChannels::kKinds;  // inputs have units of their own
+            kind.index += i * ResponseChannels::kKinds;  // inputs have units of their own
             all.push_back(kind);
         }
     AdaptivePoints adaptive(

@@ -247,7 +247,7 @@ bool StepEquations::add_first_stop(const std::vector<BodyState>& end, const std:
     }
     if (which == stops.size()) return false;
     for (Stop& stop : stops)  // an impact elsewhere changes speeds: what is being left must not hold them
-        if (stop.left > 0) stop.let_go();
+        if (stop.leaving_step > 0) stop.let_go();
     stops[which] = added;
     return true;
 }
@@ -258,22 +258,22 @@ bool StepEquations::leave_stops(const std::vector<BodyState>& end, const std::ve
     for (size_t j = 0; j < before.size(); ++j) {
         const Stop& reached = before[j];
         Stop& stop = stops[j];
-        if (!reached.acts || !reached.is_foreseen || reached.left > 1 || stop.acts) continue;
+        if (!reached.acts || !reached.is_foreseen || reached.leaving_step > 1 || stop.acts) continue;
         if (!only_forces_act(before, stops, j)) continue;
         const JointEquations& joint = joints_.joints()[j];
         const double gain =
             joint.way(stop.start, joint.coordinate(end)) - joint.way(stop.before, stop.start);  // over a step
         const bool is_drawn_off = reached.side * gain > 0;
-        if (!is_drawn_off && reached.left == 0) continue;
+        if (!is_drawn_off && reached.leaving_step == 0) continue;
         // The first step leads to where it is after (2 - share) h, the second has the speed of half a step later
-        const double steps = reached.left == 0 ? 0.5 * std::pow(2 - reached.share, 2) : 2.5 - reached.share;
+        const double steps = reached.leaving_step == 0 ? 0.5 * std::pow(2 - reached.share, 2) : 2.5 - reached.share;
         // Dampers alone draw it off before the impact, and not after it: back to the stop
         const double to = is_drawn_off ? stop.start + steps * gain : joint.stop(reached.side) - reached.side * Stop::kPlay;
         // It leaves no faster than it came: forces then change its speed little within these steps
         if ((2.5 - reached.share) * std::abs(gain) > reached.arrival) continue;
         if (reached.side * (to - joint.stop(-reached.side)) > 0) continue;
-        stop = {stop.before, stop.start,      true, to, reached.side, true, reached.share, reached.arrival,
-                gain,        reached.left + 1};
+        const int next = reached.leaving_step + 1;
+        stop = {stop.before, stop.start, true, to, reached.side, true, reached.share, reached.arrival, gain, next};
         changed = true;
     }
     return changed;

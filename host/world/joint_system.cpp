@@ -159,7 +159,7 @@ bool JointSystem::release_pulling_stops(const BlockMatrix& matrix, const Eigen::
     const double weak = kRounding * multipliers.cwiseAbs().maxCoeff();
     bool changed = false;
     for (size_t j = 0; j < stops.size(); ++j) {
-        if (!stops[j].acts || stops[j].left > 0) continue;
+        if (!stops[j].acts || stops[j].leaving_step > 0) continue;
         if (stops[j].side * multipliers(matrix.joint_index(as_int(j)) + joints_[j].lasting()) <= weak) continue;
         stops[j].let_go();
         changed = true;

@@ -24,10 +24,10 @@ struct Stop {
     double share = 0;          ///< of the step after which a foreseen one is reached
     double arrival = 0;        ///< how far the coordinate would have gone over the step in which it came [rad, m]
     double gain = 0;           ///< and how much farther than over the step before
-    int left = 0;              ///< the machine leaves it, as many steps after that in which it was reached; 0: it does not
+    int leaving_step = 0;      ///< the machine leaves it, as many steps after that in which it was reached; 0: it does not
 
     /// Reached within this step.
-    bool is_struck() const { return acts && is_foreseen && left == 0; }
+    bool is_struck() const { return acts && is_foreseen && leaving_step == 0; }
     void let_go() { *this = {before, start}; }
 };
 

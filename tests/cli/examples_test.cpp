@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "process.h"
+#include "support/csv_line.h"
 #include "support/paths.h"
 
 namespace dttmm::host {
@@ -54,16 +55,6 @@ std::vector<std::string> words_of(const std::string& options) {
     return words;
 }
 
-std::vector<std::string> cells_of(const std::string& line) {
-    std::vector<std::string> cells(1);
-    for (const char c : line)
-        if (c == ',')
-            cells.emplace_back();
-        else
-            cells.back() += c;
-    return cells;
-}
-
 bool is_cell(const std::string& cell, const std::string& wanted) {
     if (cell == wanted) return true;
     char* end = nullptr;
@@ -77,7 +68,7 @@ double csv_value(const fs::path& results, const std::string& place) {
     std::istringstream lines(read_text(results / words.front()));
     std::string line;
     std::getline(lines, line);
-    const std::vector<std::string> names = cells_of(line);
+    const std::vector<std::string> names = test::split_csv_line(line);
     const auto column = [&](const std::string& name) {
         const auto found = std::ranges::find(names, name);
         EXPECT_NE(found, names.end()) << place;
@@ -86,7 +77,7 @@ double csv_value(const fs::path& results, const std::string& place) {
     std::getline(lines, line);
     double value = NAN;
     while (std::getline(lines, line)) {
-        const std::vector<std::string> cells = cells_of(line);
+        const std::vector<std::string> cells = test::split_csv_line(line);
         bool is_wanted = true;
         for (size_t w = 1; w + 1 < words.size(); ++w) {
             const size_t equals = words[w].find('=');

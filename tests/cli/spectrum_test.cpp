@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "cli/modes_run.h"
+#include "support/csv_line.h"
 
 namespace dttmm::host {
 namespace {
@@ -29,22 +30,13 @@ using Fields = std::vector<std::map<std::string, std::string>>;
 
 Fields read_fields(const fs::path& file) {
     std::istringstream lines(read_text(file));
-    const auto split = [](const std::string& line) {
-        std::vector<std::string> cells(1);
-        for (const char c : line)
-            if (c == ',')
-                cells.emplace_back();
-            else
-                cells.back() += c;
-        return cells;
-    };
     std::string line;
     std::getline(lines, line);
-    const std::vector<std::string> names = split(line);
+    const std::vector<std::string> names = test::split_csv_line(line);
     std::getline(lines, line);
     Fields rows;
     while (std::getline(lines, line)) {
-        const std::vector<std::string> cells = split(line);
+        const std::vector<std::string> cells = test::split_csv_line(line);
         EXPECT_EQ(cells.size(), names.size());
         rows.emplace_back();
         for (size_t c = 0; c < names.size(); ++c) rows.back()[names[c]] = cells[c];

@@ -9,6 +9,7 @@
 #include "analysis/request.h"
 #include "cli/process.h"
 #include "cli/small_model.h"
+#include "support/csv_line.h"
 #include "support/paths.h"
 
 namespace dttmm::host {
@@ -302,16 +303,8 @@ stiffness = "=2e4/i"
 
 /// Cells of sweep.csv by column, of the row of a case counted from 1.
 std::map<std::string, std::string> cells_of_case(const std::vector<std::string>& table, size_t number) {
-    const auto split = [](const std::string& line) {
-        std::vector<std::string> cells(1);
-        for (const char c : line)
-            if (c == ',')
-                cells.emplace_back();
-            else
-                cells.back() += c;
-        return cells;
-    };
-    const std::vector<std::string> names = split(table.at(0)), cells = split(table.at(number + 1));
+    const std::vector<std::string> names = test::split_csv_line(table.at(0)),
+                                   cells = test::split_csv_line(table.at(number + 1));
     EXPECT_EQ(names.size(), cells.size());
     std::map<std::string, std::string> row;
     for (size_t c = 0; c < std::min(names.size(), cells.size()); ++c) row[names[c]] = cells[c];

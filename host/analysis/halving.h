@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -65,6 +66,8 @@ public:
     const std::vector<Level>& levels() const { return levels_; }
     /// Estimated error per selected channel, the first the time's; empty before two runs have finished.
     const std::vector<double>& estimates() const { return convergence_.estimates(); }
+    /// Whether a channel is selected: all others are known at the shortest step alone.
+    bool is_selected(int channel) const { return std::ranges::binary_search(selection_, channel); }
     /// Name of a selected channel.
     std::string channel(size_t selected) const;
     /// The run with the shortest step of those kept. After run() only.

@@ -148,7 +148,15 @@ bool is_acceleration(const Channel& channel) { return channel.quantity() == "acc
 /// NaN, which JSON does not know, is null.
 Json number_json(double value) { return std::isnan(value) ? Json() : Json(value); }
 
-Json describe_tolerance(const Halving& halving) {
+/// Channels of the summary that a run to a tolerance knows at its shortest step alone.
+Json list_unselected(const Halving& halving, std::span<const Channel> channels) {
+    Json names = Json::array();
+    for (int c = 1; c < as_int(channels.size()); ++c)
+        if (counts_in_summary(channels[as_size(c)]) && !halving.is_selected(c)) names.push_back(channels[as_size(c)].name());
+    return names;
+}
+
+Json describe_tolerance(const Halving& halving, std::span<const Channel> channels) {
     Json levels = Json::array(), estimates = Json::object();
     for (const Level& level : halving.levels())
         levels.push_back({{"step", level.step},
@@ -165,7 +173,8 @@ Json describe_tolerance(const Halving& halving) {
             {"relative_error", finished ? number_json(halving.levels().back().error) : Json()},
             {"observed_order", finished ? number_json(halving.levels().back().order) : Json()},
             {"levels", levels},
-            {"error_estimate", estimates}};
+            {"error_estimate", estimates},
+            {"at_shortest_step", list_unselected(halving, channels)}};
 }
 
 Json describe_energy(const Recorder& recorder) {
@@ -344,7 +353,7 @@ void write_run(JsonWriter& out, const Model& model, const Request& request, cons
     write_channels(out, "accelerations", recorder, is_acceleration);
     out.member("inputs", describe_inputs(model, request));
     write_model(out, model, plugins.catalogue());
-    if (halving) out.member("tolerance", describe_tolerance(*halving));
+    if (halving) out.member("tolerance", describe_tolerance(*halving, recorder.channels()));
 }
 
 }  // namespace dttmm::host

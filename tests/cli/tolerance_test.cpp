@@ -132,6 +132,27 @@ TEST_F(Tolerance, TheHistoryIsWithinItsEstimateOfTheExactOne) {
     EXPECT_EQ(result["elements"]["bolt1"]["force"]["z"]["peak"], peak) << "peaks are of the extrapolated history";
 }
 
+// Positions of markers are not selected by themselves: the summary has them as the last run has them, and says so. Oracle:
+// the plate does not turn, so its marker moves as its centre does, once both are extrapolated.
+TEST_F(Tolerance, WhatIsNotSelectedIsToldToBeThatOfTheShortestStep) {
+    const auto peak = [](const nlohmann::json& result, const char* place) {
+        return result["positions"][place]["position"]["z"]["peak"].get<double>();
+    };
+    const std::vector<std::string> words = {kPlate, "--duration", "0.1 s", "--tolerance", "0.1 %"};
+    ASSERT_EQ(run(words).code, 0);
+    const nlohmann::json left_out = summary(), &names = left_out["tolerance"]["at_shortest_step"];
+    EXPECT_THAT(names, testing::Contains("plate.corner1.position.z"));
+    EXPECT_THAT(names, testing::Not(testing::Contains("plate.position.z")));
+    for (const auto& name : names) EXPECT_FALSE(left_out["tolerance"]["error_estimate"].contains(name)) << name;
+    EXPECT_NE(peak(left_out, "plate.corner1"), peak(left_out, "plate"));
+    std::vector<std::string> selecting = words;
+    selecting.insert(selecting.end(), {"--channels", "plate.position", "--channels", "plate.corner1.position"});
+    ASSERT_EQ(run(selecting).code, 0);
+    const nlohmann::json selected = summary();
+    EXPECT_THAT(selected["tolerance"]["at_shortest_step"], testing::Not(testing::Contains("plate.corner1.position.z")));
+    EXPECT_NEAR(peak(selected, "plate.corner1") / peak(selected, "plate"), 1, 1e-12);
+}
+
 // Oracle: symmetry: only z moves; what else there is is rounding, and must not keep the run from its end.
 TEST_F(Tolerance, RoundingDoesNotKeepASymmetricPlateFromConverging) {
     ASSERT_EQ(run({kPlate, "--tolerance", "1e-4", "--duration", "0.1 s"}).code, 0);

@@ -245,12 +245,28 @@ private:
             line.to = frame_of[as_size(line.to)];
             if (line.from == line.to && !is_ground(line.from)) {
                 if (!line.line.stretches_only) continue;  // its own mass bends it
-                throw Error(DTTMM_ERROR_MODEL,
-                            "both ends are on the same rigid body: only its own mass would stretch it; leave it out, or put "
-                            "a probe on it",
-                            line.element);
+                refuse_idle_rod(line.element);
             }
             check_ends(line.from, line.to, {}, line.element);
+        }
+        check_divided_rods();
+    }
+
+    [[noreturn]] static void refuse_idle_rod(int element) {
+        throw Error(
+            DTTMM_ERROR_MODEL,
+            "both ends are on the same rigid body: only its own mass would stretch it; leave it out, or put a probe on it",
+            element);
+    }
+
+    /// As with exact waves: all commands refuse such a model, in the same words.
+    void check_divided_rods() const {
+        for (const SegmentsSpec& line : assembly_.segments) {
+            const auto first = as_size(assembly_.first_joint[as_size(line.element)]);
+            const JointSpec &start = assembly_.joints[first], &finish = assembly_.joints[first + as_size(line.count)];
+            Directions across = start.law->rigid;
+            across[0] = true;  // a rod is elastic along x alone
+            if (across.all() && start.from == finish.to && !is_ground(start.from)) refuse_idle_rod(line.element);
         }
     }
 

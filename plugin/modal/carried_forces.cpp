@@ -111,7 +111,7 @@ Carried CarriedForces::by_line(size_t element) const {
     const LineModel& line = D_.line(piece);
     Eigen::Matrix<Complex, 12, 1> ends;
     ends << motion_at(piece, false), motion_at(piece, true);
-    Complex6 force = held_by_line(element) - waves_[line.kind]->topRows<6>() * ends;
+    Complex6 force = held_by_line(element) - waves_[D_.slot(piece)]->topRows<6>() * ends;
     if (line.waves->pinned().any())
         for (const Pin& pin : model_.pins)
             if (pin.element == as_int(element))

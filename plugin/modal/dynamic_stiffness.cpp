@@ -65,6 +65,13 @@ void DynamicStiffness::cut_into(const std::vector<int>& counts) {
     points_.clear();
     pieces_.clear();
     bar_masses_.clear();
+    first_slot_.clear();
+    size_t slots = 0;
+    for (size_t k = 0; k < counts_.size(); ++k) {
+        first_slot_.push_back(slots);
+        slots += model_.kinds[k]->is_graded() ? as_size(counts_[k]) : 1;
+    }
+    waves_.resize(slots);
     for (size_t l = 0; l < model_.lines.size(); ++l) {
         const LineModel& line = model_.lines[l];
         if (count(line) > kMostPieces || pieces_.size() + as_size(count(line)) > 100 * as_size(kMostPieces))
@@ -213,9 +220,12 @@ void DynamicStiffness::refuse(dttmm_status status, int frame, const std::string&
 
 void DynamicStiffness::evaluate_waves(double lambda, bool with_mass) {
     lambda_ = lambda;
-    waves_.resize(model_.kinds.size());
-    for (size_t k = 0; k < waves_.size(); ++k)
-        model_.kinds[k]->evaluate<double>(counts_[k], lambda, 1, waves_[k].stiffness, with_mass ? &waves_[k].mass : nullptr);
+    for (size_t k = 0; k < model_.kinds.size(); ++k) {
+        const size_t first = first_slot_[k], end = k + 1 < first_slot_.size() ? first_slot_[k + 1] : waves_.size();
+        for (size_t i = first; i < end; ++i)
+            model_.kinds[k]->evaluate<double>(counts_[k], lambda, 1, waves_[i].stiffness,
+                                              with_mass ? &waves_[i].mass : nullptr, as_int(i - first));
+    }
 }
 
 void DynamicStiffness::assemble() {

@@ -80,7 +80,13 @@ public:
     int frame_count() const { return as_int(model_.frames.size() + points_.size()); }
     const std::vector<Piece>& pieces() const { return pieces_; }
     const LineModel& line(const Piece& piece) const { return model_.lines[piece.line]; }
-    const Waves& waves(const Piece& piece) const { return waves_[line(piece).kind]; }
+    const Waves& waves(const Piece& piece) const { return waves_[slot(piece)]; }
+    /// Pieces of equal waves have one number, below slot_count().
+    size_t slot(const Piece& piece) const {
+        const LineModel& own = line(piece);
+        return first_slot_[own.kind] + (own.waves->is_graded() ? as_size(piece.index) : 0);
+    }
+    size_t slot_count() const { return waves_.size(); }
     /// Pieces of a line, and their length [m].
     int count(const LineModel& line) const { return counts_[line.kind]; }
     double piece_length(const LineModel& line) const { return line.length() / count(line); }
@@ -124,7 +130,8 @@ private:
     bool is_cut_ = false;      ///< into these
     int cuts_ = 0;
     double cut_for_ = 0;
-    std::vector<Waves> waves_;  ///< of each kind
+    std::vector<Waves> waves_;        ///< by slot()
+    std::vector<size_t> first_slot_;  ///< of each kind
     std::optional<Elimination> elimination_;
     double lambda_ = 0;
     double none_below_ = -std::numeric_limits<double>::infinity();  ///< the largest λ known to have no frequency below it

@@ -19,6 +19,8 @@ namespace {
 
 /// Cosine of an angle that is round-off.
 constexpr double kAligned = 1e-9;
+/// Of the lengths of pieces: a difference that is rounding.
+constexpr double kSameLength = 1e-12;
 
 Matrix6 mass_block(double mass, const Matrix3& inertia) {
     Matrix6 block = Matrix6::Zero();
@@ -234,61 +236,83 @@ Directions FrequencyAssembly::active_axes(const LineSpec& spec) const {
 }
 
 void FrequencyAssembly::add_lines(const std::vector<LineSpec>& specs) {
-    for (const LineSpec& spec : specs) {
-        const int from = frame_of_[as_size(spec.from)], to = frame_of_[as_size(spec.to)];
-        model_.total_mass += spec.line.section.mass * (spec.finish - spec.start).norm();
-        try {
-            if (!model_.is_at_rest) {
-                add_line(spec, from, to, {});
-                if (model_.lines.back().waves->pinned().any()) add_pin(model_.lines.back());
-                continue;
-            }
-            const FrequencyModel::RestingLine& resting = model_.resting[as_size(spec.element)];
-            std::vector<Vector6> forces = resting.forces;
-            for (Vector6& own : forces) own = both(spec.line.axes.transpose()) * own;
-            const double length = (spec.finish - spec.start).norm();
-            add_line(spec, from, to,
-                     LineForces(std::move(forces), length, resting.turning / length,
-                                spec.line.stretches_only ? nullptr : &spec.line.section));
+    for (const LineSpec& spec : specs) try {
+            if (resting_)
+                add_resting_line(spec);
+            else
+                add_line(spec, {});
         } catch (const Error& error) {
             throw Error(error.status(), error.what(), spec.element);
         }
-    }
 }
 
-/// forces: at rest. Where they are not uniform the line is cut. So is a line between two points of one frame: what it does
-/// is seen at the point between, and links join different frames.
-void FrequencyAssembly::add_line(const LineSpec& spec, int from, int to, const std::optional<LineForces>& forces) {
-    const bool is_bar = spec.line.stretches_only;
-    const int by_forces = !forces || is_bar ? 1 : forces->pieces(spec.line.section),
-              segments = from == to ? std::max(2, by_forces) : by_forces;
-    const double axial = forces ? forces->mean_force().x() : 0, step = (spec.finish - spec.start).norm() / segments;
-    const size_t kind = find_kind(spec, step, axial);
-    const LineShapes shapes = forces && segments > 1 ? model_.kinds[kind]->static_shapes() : LineShapes{};
-    int last = from;
-    for (int i = 0; i < segments; ++i) {
-        const auto point = [&](int k) { return Vector3(spec.start + double(k) / segments * (spec.finish - spec.start)); };
-        int next = to;
-        if (i + 1 < segments) {
-            next = as_int(model_.frames.size());
-            model_.frames.push_back({point(i + 1), "a point of it", spec.element});
-        }
-        model_.lines.push_back({spec.element, last, next, point(i), point(i + 1), spec.line.axes, spec.line, kind,
-                                model_.kinds[kind].get(), axial});
-        if (forces && segments > 1) {
-            resting_->add_deviation(model_.lines.back(), *forces, i * step, shapes);
-            model_.lines.back().deviation = as_int(model_.bonds.size()) - 1;
-        }
-        last = next;
+/// A line between two points of one frame is cut: what it does is seen at the point between, and links join different
+/// frames.
+void FrequencyAssembly::add_line(const LineSpec& spec, LineWaves::Axial axial) {
+    const int pieces = spec.from == spec.to ? 2 : 1;
+    const double length = (spec.finish - spec.start).norm() / pieces;
+    model_.total_mass += spec.line.section.mass * pieces * length;
+    const auto point = [&](int i) { return Vector3(spec.start + double(i) / pieces * (spec.finish - spec.start)); };
+    for (int i = 0; i < pieces; ++i) {
+        const auto at = [&](int k) { return axial[0] + double(k) / pieces * (axial[1] - axial[0]); };
+        add_piece(spec, i, pieces, point(i), point(i + 1), spec.line.axes, length, {at(i), at(i + 1)});
     }
-    if (!forces) return;
-    if (is_bar) resting_->add_bar_force(model_.lines.back(), *forces);
-    if (from >= 0) resting_->add_lever(spec.element, from, spec.start, spec.line.axes * forces->first().head<3>());
-    if (to >= 0) resting_->add_lever(spec.element, to, spec.finish, -spec.line.axes * forces->last().head<3>());
+    if (!resting_ && model_.lines.back().waves->pinned().any()) add_pin(model_.lines.back());
+}
+
+/// The next piece of a line, from where the last one ends.
+void FrequencyAssembly::add_piece(const LineSpec& spec, int index, int count, const Vector3& start, const Vector3& finish,
+                                  const Matrix3& axes, double length, LineWaves::Axial axial) {
+    const int from = index == 0 ? frame_of_[as_size(spec.from)] : model_.lines.back().to;
+    int to = frame_of_[as_size(spec.to)];
+    if (index + 1 < count) {
+        to = as_int(model_.frames.size());
+        model_.frames.push_back({finish, "a point of it", spec.element});
+    }
+    const size_t kind = find_kind(spec, length, axial);
+    model_.lines.push_back({spec.element, from, to, start, finish, axes, spec.line, kind, model_.kinds[kind].get()});
+}
+
+/// A line at rest follows its bent axis in straight pieces, each with waves under its own mean axial force.
+void FrequencyAssembly::add_resting_line(const LineSpec& spec) {
+    const LineForces forces = resting_->forces_of(spec);
+    const Section& section = spec.line.section;
+    const bool is_bar = spec.line.stretches_only;
+    const int from = frame_of_[as_size(spec.from)], to = frame_of_[as_size(spec.to)],
+              by_forces = is_bar ? 1 : forces.pieces(section), count = from == to ? std::max(2, by_forces) : by_forces;
+    if (by_forces == 1) {
+        const Vector3 x = spec.line.axes.col(0);
+        add_line(spec, {forces.first().head<3>().dot(x), forces.last().head<3>().dot(x)});
+        if (is_bar) resting_->add_bar_force(model_.lines.back(), forces);
+    } else {
+        const std::vector<Matrix3>& up = model_.resting[as_size(spec.element)].axes_of_segments;
+        double length = 0;
+        for (int i = 0; i < count; ++i) {
+            LineForces::Piece piece{double(i) / count, double(i + 1) / count, {}, 0, {}};
+            const Vector3 start = forces.point(piece.from), finish = forces.point(piece.to);
+            const double own = (finish - start).norm();
+            if (std::abs(own - length) > kSameLength * own) length = own;
+            piece.length = length;
+            const Vector3 x = (finish - start) / own,
+                          y = up[as_size(static_cast<int>(0.5 * (piece.from + piece.to) * forces.segments()))].col(1),
+                          z = x.cross(y).normalized();
+            piece.axes << x, z.cross(x), z;
+            piece.axial = {forces.at(piece.from).head<3>().dot(x), forces.at(piece.to).head<3>().dot(x)};
+            add_piece(spec, i, count, start, finish, piece.axes, length, piece.axial);
+            const LineModel& line = model_.lines.back();
+            if (shapes_.size() <= line.kind) shapes_.resize(line.kind + 1);
+            if (!shapes_[line.kind]) shapes_[line.kind] = line.waves->static_shapes();
+            resting_->add_deviation(line, forces.stiffness(piece, section, *shapes_[line.kind]));
+            model_.lines.back().deviation = as_int(model_.bonds.size()) - 1;
+            model_.total_mass += section.mass * length;
+        }
+    }
+    if (from >= 0) resting_->add_lever(spec.element, from, spec.start, forces.first().head<3>());
+    if (to >= 0) resting_->add_lever(spec.element, to, spec.finish, -forces.last().head<3>());
 }
 
 /// The waves of a line of that length; lines alike share them.
-size_t FrequencyAssembly::find_kind(const LineSpec& spec, double length, double axial) {
+size_t FrequencyAssembly::find_kind(const LineSpec& spec, double length, LineWaves::Axial axial) {
     const Directions active = active_axes(spec);
     const Key key = {std::bit_cast<std::tuple_element_t<0, Key>>(spec.line.section), length, spec.line.stretches_only,
                      active.to_ulong(), axial};

@@ -90,7 +90,6 @@ struct LineModel {
     Line line;
     size_t kind;  ///< lines alike share their waves
     const LineWaves* waves;
-    double axial;        ///< force at rest that its waves know [N]
     int deviation = -1;  ///< the bond that has what its other forces at rest do; −1: none counts
     double length() const { return (finish - start).norm(); }
 };
@@ -150,10 +149,13 @@ struct FrequencyModel {
     struct RestingLine {
         double share = 0;
         bool is_lumped = false;
-        std::vector<Vector6> forces;         ///< [force; moment] in its joints, on the end part, world axes; ascending
-        Vector6 at_from = Vector6::Zero();   ///< the same at its `from` end, in the axes of that end
-        Matrix3 axes = Matrix3::Identity();  ///< these, as columns in world
-        Vector3 turned = Vector3::Zero();    ///< rotation of its `to` end in them [rad]
+        /// Where its segments meet, both ends included: places [m], and [force; moment] on what follows less, world axes.
+        std::vector<Vector3> points;
+        std::vector<Vector6> forces;
+        std::vector<Matrix3> axes_of_segments;  ///< as columns in world
+        Vector6 at_from = Vector6::Zero();      ///< the same at its `from` end, in the axes of that end
+        Matrix3 axes = Matrix3::Identity();     ///< these, as columns in world
+        Vector3 turned = Vector3::Zero();       ///< rotation of its `to` end in them [rad]
         /// Of the loads along it that turn with it, their sums over a length like that at its start and at its end [N].
         Vector6 turning = Vector6::Zero();
     };

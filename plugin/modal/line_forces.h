@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "core/index.h"
@@ -20,51 +21,54 @@ struct LineShapes {
     std::array<Shape, kPoints.size()> at;  ///< at Gauss' points, as shares of the length
 };
 
-/// The section forces of a line at rest that is nearly straight, local axes, [f; m] on the positive face: f is linear
-/// between its stations, and m' = −e_x × f makes m a cubic there. Its axis lies beside the straight line between its ends.
+/// A line at rest that its segments bend and load: where they meet, and the section forces there, [f; m] on the positive
+/// face, world axes. Between these points it is straight, f is linear, and m' = −e × f along it makes m a cubic. Places on
+/// it are shares of it: of equal segments, each of which has an equal share.
 class LineForces {
 public:
-    /// forces: in the joints of a line of equal segments, joint k where k segments end; the first and the last joint lie a
-    /// quarter of a segment inside the ends. turning: of the loads that turn with it, their force per length at its start
-    /// and at its end, between which they are linear. section: what bends by these forces; NULL: its axis counts as
-    /// straight.
-    LineForces(std::vector<Vector6> forces, double length, const Vector6& turning, const Section* section = nullptr);
+    /// points: from its start to its end, one more than segments [m]. turning: of the loads that turn with it, their force
+    /// per length at its start and at its end, its own axes, between which they are linear.
+    LineForces(std::vector<Vector3> points, std::vector<Vector6> forces, const Vector6& turning);
 
-    double length() const { return length_; }
-    int segments() const { return as_int(stations_.size()) - 1; }
-    const Vector6& first() const { return stations_.front(); }
-    const Vector6& last() const { return stations_.back(); }
-    Vector6 at(double s) const;
-    Vector3 mean_force() const;
-    Vector3 turning_load(double s) const;
-    /// Into how many pieces the line is to be cut, its segments at most, so that what its forces add to the stiffness is
-    /// known to a share of 1e-7 of it. 1: only the mean axial force counts, what the others add is below a share of 1e-5,
-    /// and the axis is straight to that share of the radius of gyration.
+    int segments() const { return as_int(points_.size()) - 1; }
+    /// Along its points [m].
+    double length() const;
+    Vector3 point(double share) const;
+    Vector6 at(double share) const;
+    const Vector6& first() const { return forces_.front(); }
+    const Vector6& last() const { return forces_.back(); }
+    Vector3 mean_force(double from = 0, double to = 1) const;
+    Vector3 turning_load(double share) const;
+    /// How far its points lie beside the line between its ends, as share of the radius of gyration of the section.
+    double bend(const Section& section) const;
+    /// Into how many pieces the line is to be cut for frequencies of a relative error of 1e-6 and less. A bent one has its
+    /// segments at most. 1: only the mean axial force counts.
     int pieces(const Section& section) const;
 
-    /// What these forces, without a uniform axial one, add to the stiffness from `start` over a piece as they turn with it:
-    /// the second derivative of ∫ f·(−θ × u' + ½ θ × (θ × e_x)) − ½ m·(θ × θ') ds, θ the rotation vector. Loads q that turn
-    /// with the line have no potential: the symmetric part of what they do, of −∫ (θ × q)·δu ds, is added.
-    /// The shape between the ends is that without them, but for the torsion: it follows them with a parabola, held by GJ.
-    /// Without it the load at which a deep beam tips over would err by 0.25 % at ten segments, not by 2e-5.
-    Matrix12 stiffness(double start, double length, double axial, double GJ, const LineShapes& shapes) const;
-    /// What the axis adds from `start` over a piece because these forces bend it: where it lies beside the line by w and
-    /// bends by u it grows longer by ∫ w'·u' ds, and ½ EA/length ((Δu_x + ∫ w'·u' ds)² − Δu_x²) is its energy. To first
-    /// order in w that couples bending and tension.
-    Matrix12 stiffness_of_axis(double start, double length, double EA, const LineShapes& shapes) const;
+    /// A piece of it that counts as straight, from share to share.
+    struct Piece {
+        double from, to;
+        Matrix3 axes;                 ///< as columns in world, x from end to end
+        double length;                ///< [m]
+        std::array<double, 2> axial;  ///< force that its stiffness knows, at its start and end [N], linear between them
+    };
+    /// What these forces, but for that axial one, and the bend add to the stiffness of a piece, local axes. As forces turn
+    /// with it: the second derivative of ∫ f·(−θ × u' + ½ θ × (θ × r')) − ½ m·(θ × θ') ds, θ the rotation vector, r' the
+    /// direction of the axis. Loads q that turn with the line have no potential: the symmetric part of what they do, of −∫
+    /// (θ × q)·δu ds, is added. The axis turns against the straight piece by φ, which moments make: it grows longer by ∫ (φ
+    /// × e_x)·u' ds, of uniform tension, and bends and twists by ½ ∫ θ'·(R D Rᵀ − D) θ' ds, R = exp φ, D = diag(GJ, EIy,
+    /// EIz).
+    /// The shape between the ends is that without all this, but for the torsion: it follows the forces with a parabola, held
+    /// by GJ. Without it the load at which a deep beam tips over would err by 0.25 % at ten segments, not by 2e-5.
+    Matrix12 stiffness(const Piece& piece, const Section& section, const LineShapes& shapes) const;
 
 private:
-    Eigen::Vector2d bend(double s) const;
-    Eigen::Vector2d turn(double s) const;
-    Eigen::Vector2d slope(double s) const;
+    /// The segment that a share lies in, and where in it, from 0 to 1.
+    std::pair<size_t, double> place(double share) const;
 
-    std::vector<Vector6> stations_;
-    double length_;
+    std::vector<Vector3> points_;
+    std::vector<Vector6> forces_;
     Vector6 turning_;
-    /// Of the bent axis, local y and z: 1/EI, 1/GA, and its turn from the first station to each; none where it is straight.
-    Eigen::Vector2d bends_ = Eigen::Vector2d::Zero(), shears_ = Eigen::Vector2d::Zero();
-    std::vector<Eigen::Vector2d> turns_;
-    Eigen::Vector2d mean_slope_ = Eigen::Vector2d::Zero();
 };
 
 }  // namespace dttmm::plugin

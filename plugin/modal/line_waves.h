@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <complex>
 #include <vector>
 
@@ -18,6 +19,8 @@ namespace dttmm::plugin {
 /// exponential is squared up from small steps, so that nothing overflows as long as the element is cut into pieces that do
 /// not vibrate with their ends held (see pieces). In the letters of the state vector q = −f and m = m.
 /// Source: theory of transfer matrices, Pestel and Leckie (1963); the hydroplane paper's eq. (9) is its 8 × 8 part.
+/// Where the axial force is linear along it, so is S, and over a length h exp(h S + h³/12 [S', S]), S the mean, errs by
+/// order h⁵: the expansion of Magnus (1954), Comm. Pure Appl. Math. 7, 649–673. It is symplectic as the equations are.
 class LineWaves {
 public:
     template <class Scalar>
@@ -26,13 +29,18 @@ public:
     using Block = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 12>;
     using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 12, 1>;
 
+    /// Axial force at rest at the start and at the end, linear between them.
+    using Axial = std::array<double, 2>;
     /// axial: its force at rest [N], positive in tension. It keeps its direction, and turns with the section
     /// (Reissner's beam): v' = θ + (f − N θ)/GA and m' = −(1 − N/GA) f + (1 − N/GA) N θ in either plane, f across the line.
     ///
     /// The directions of its ends in which it moves with waves: `active` are those of the local axes that the model leaves.
     /// A bending plane goes by its deflection; without it the rotation passes unchanged (see passed()). Throws
     /// Error(DTTMM_ERROR_MODEL) naming a stiffness of the section that is needed and not given.
-    LineWaves(const Line& line, double length, Directions active, double axial = 0);
+    LineWaves(const Line& line, double length, Directions active, Axial axial = {});
+
+    /// Whether equal pieces of it differ, as the axial force does.
+    bool is_graded() const { return axial_[0] != axial_[1]; }
 
     /// Directions that both ends share rigidly: rotations whose bending plane is not spanned; of a rod all but the axial
     /// (the ends of a bar, as it stands; with only some directions left each by itself, the paper's reduced state).
@@ -42,16 +50,18 @@ public:
     Directions pinned() const { return pinned_; }
 
     /// Pieces it must be cut into so that none vibrates below ω with its ends held, by a lower bound: the frequencies of the
-    /// whole below ω can then be counted at its nodes. At most `most` + 1.
+    /// whole below ω can then be counted at its nodes. More where the axial force varies, so that these err by at most 1e-7.
+    /// At most `most` + 1.
     int pieces(double omega, int most) const;
 
     /// Dynamic stiffness of one of `count` equal pieces, [force; moment] on its start and end by their displacements, and
-    /// the mass −∂D/∂λ if given. stiffening: 1 + iωη of a complex modulus.
+    /// the mass −∂D/∂λ if given. stiffening: 1 + iωη of a complex modulus. index: which piece, where it is graded.
     template <class Scalar>
-    void evaluate(int count, Scalar lambda, Scalar stiffening, Square<Scalar>& stiffness, Square<Scalar>* mass) const;
+    void evaluate(int count, Scalar lambda, Scalar stiffening, Square<Scalar>& stiffness, Square<Scalar>* mass,
+                  int index = 0) const;
 
-    /// exp(S s), [d; n] order, directions without waves unchanged.
-    Matrix12 transfer(double lambda, double s) const;
+    /// From `start` over s [m]: exp(S s), [d; n] order, directions without waves unchanged.
+    Matrix12 transfer(double lambda, double s, double start = 0) const;
 
     /// At λ = 0.
     LineShapes static_shapes() const;
@@ -60,7 +70,11 @@ private:
     /// Directions that couple with each other.
     struct Group {
         std::vector<int> directions;
-        Block<double> A, M, G;     ///< G: what the axial force adds to n' by d
+        Block<double> A, M;  ///< A: without axial force
+        /// A + N A_by_N, and what N adds to n' by d: N G_by_N + N² G_by_N2.
+        Block<double> A_by_N, G_by_N, G_by_N2;
+        Block<double> A_at(double axial) const { return A + axial * A_by_N; }
+        Block<double> G_at(double axial) const { return axial * G_by_N + axial * axial * G_by_N2; }
         Column C, unit_d, unit_n;  ///< diagonal of C; units of d and n for a piece of unit length
         int mirror = -1;           ///< group of the other plane that is the same but for the sense of its rotation
     };
@@ -70,13 +84,15 @@ private:
         Column unit_d, unit_n;
     };
     template <class Scalar>
-    Waves<Scalar> waves(const Group& group, double s, Scalar lambda, Scalar stiffening, bool with_derivative) const;
+    Waves<Scalar> waves(const Group& group, double start, double s, Scalar lambda, Scalar stiffening,
+                        bool with_derivative) const;
+    double axial_at(double s) const { return axial_[0] + s / length_ * (axial_[1] - axial_[0]); }
     double longest_held(const Group& group, double lambda) const;
-    void group_directions(const Section& s, Directions moving, const Matrix6& A, const Matrix6& G, const Matrix6& M,
-                          const Vector6& C);
+    void group_directions(const Section& s, Directions moving, const Matrix6& M, const Vector6& C);
     static bool is_mirror(const Group& one, const Group& other);
 
     double length_;
+    Axial axial_;
     Directions passed_, pinned_;
     std::vector<Group> groups_;
 };

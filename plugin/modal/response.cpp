@@ -104,19 +104,19 @@ Eigen::SparseMatrix<Complex> HarmonicSolver::assemble(Complex s, Form form) {
             for (int k : {0, 1})
                 if (ends[i] >= 0 && ends[k] >= 0) entries.add(ends[i], ends[k], complex(bond.turning->at[i][k]));
     }
-    waves_.assign(model.kinds.size(), std::nullopt);
+    waves_.assign(D_.slot_count(), std::nullopt);
     for (const DynamicStiffness::Piece& piece : D_.pieces()) {
         const LineModel& line = D_.line(piece);
-        auto& L = waves_[line.kind];
+        auto& L = waves_[D_.slot(piece)];
         if (!L) {
             const Section& section = line.line.section;
             const Complex stiffening = Complex(1, section.loss_factor) + s * section.stiffness_damping;
             if (form == Form::polynomial) {
                 LineWaves::Square<double> stiffness, mass;
-                line.waves->evaluate<double>(D_.count(line), 0, 1, stiffness, &mass);
+                line.waves->evaluate<double>(D_.count(line), 0, 1, stiffness, &mass, piece.index);
                 L = stiffening * stiffness.cast<Complex>() + inertia * mass.cast<Complex>();
             } else {
-                line.waves->evaluate<Complex>(D_.count(line), -inertia, stiffening, L.emplace(), nullptr);
+                line.waves->evaluate<Complex>(D_.count(line), -inertia, stiffening, L.emplace(), nullptr, piece.index);
             }
         }
         entries.join(piece, L->topLeftCorner<6, 6>(), L->topRightCorner<6, 6>(), L->bottomRightCorner<6, 6>());
@@ -234,7 +234,7 @@ void HarmonicSolver::add_supports(const Response& response, Eigen::VectorXcd& r)
     };
     for (const Bond& bond : model.bonds) add(bond, bond.held_node, -stiffness_of(bond, omega_), bond.turning.get());
     for (const DynamicStiffness::Piece& piece : D_.pieces())
-        add(piece, -1, waves_[D_.line(piece).kind]->topRightCorner<6, 6>(), nullptr);
+        add(piece, -1, waves_[D_.slot(piece)]->topRightCorner<6, 6>(), nullptr);
     for (const Pin& pin : model.pins)
         add(pin, -1, Complex(-omega_ * omega_, mass_rate_ * omega_) / 6.0 * complex(pin.mass), nullptr);
     if (!of_modes_) return;

@@ -17,9 +17,10 @@ namespace dttmm::plugin {
 
 namespace {
 
-/// Of a line that counts as nearly straight: how far it may be bent, as share of its radius of gyration. What its bend does
-/// is in the pieces to first order; at 0.03 of that radius they err by 5e-7 of a frequency, at 0.1 by 1e-5.
-constexpr double kStraight = 0.05;
+/// Of a line that counts as nearly straight: how far it may be bent, as share of its radius of gyration. Pieces as long as
+/// its segments leave up to 0.04 b²/n² of a frequency for a bend of b. At 3 that is what lumps leave in the first modes of a
+/// beam, 0.2/n² to 0.4/n².
+constexpr double kStraight = 3;
 
 }  // namespace
 
@@ -31,7 +32,7 @@ void RestingParts::find_lines() {
         FrequencyModel::RestingLine& own = model_.resting[e];
         const std::vector<AtRest::Link>& links = rest_.elements[e];
         if (links.size() < 2) continue;
-        std::vector<Vector3> points;
+        own.points = {links.front().from.point(line.start)};
         for (size_t k = 0; k < links.size(); ++k) {
             const JointSpec& spec = lumps.joints[as_size(lumps.first_joint[e]) + k];
             const Joint joint(spec, lumps, std::make_shared<JointKind>(spec.law));
@@ -39,29 +40,46 @@ void RestingParts::find_lines() {
             const Frame at_from = make_frame(from),
                         at_to = make_frame(links[k].to.pose(lumps.frames[as_size(spec.to)].pose));
             const JointPose pose = joint.pose(at_from, at_to);
-            points.push_back(from.position + pose.arm);
-            own.forces.push_back(both(pose.axes) * (links[k].force + links[k].rigid));
+            // The first joint and the last one lie inside the segments at the ends
+            Vector3 point = from.position + pose.arm;
+            Vector6 forces = both(pose.axes) * (links[k].force + links[k].rigid);
+            const auto move_to = [&](const Vector3& end) {
+                forces.tail<3>() += (point - end).cross(Vector3(forces.head<3>()));
+                point = end;
+            };
             if (k == 0) {
+                move_to(own.points.front());
                 own.axes = pose.axes;
-                own.at_from = both(own.axes.transpose()) * own.forces.front();
-                const Vector3 way = own.axes.transpose() * (points.front() - links.front().from.point(line.start));
-                own.at_from.tail<3>() += way.cross(Vector3(own.at_from.head<3>()));
+                own.at_from = both(own.axes.transpose()) * forces;
+            } else {
+                if (k + 1 < links.size()) {
+                    // Between segments that stand for arcs of a curvature κ the axis passes κ h²/8 beside the joint
+                    const Vector6 own_axes = both(pose.axes.transpose()) * forces;
+                    const double h = (line.finish - line.start).norm() / static_cast<double>(links.size() - 1);
+                    const Section& section = line.line.section;
+                    move_to(point + h * h / 8 *
+                                        (pose.axes.col(1) * own_axes(5) / section.EIz -
+                                         pose.axes.col(2) * own_axes(4) / section.EIy));
+                } else {
+                    move_to(links[k].to.point(line.finish));
+                    own.turned = rotation_vector(Matrix3(own.axes.transpose() * joint.seat().axes_at_to(FrameView(at_to))));
+                }
+                own.points.push_back(point);
+                own.axes_of_segments.push_back(pose.axes);
             }
-            if (k + 1 == links.size())
-                own.turned = rotation_vector(Matrix3(own.axes.transpose() * joint.seat().axes_at_to(FrameView(at_to))));
+            own.forces.push_back(forces);
         }
         own.turning = (line.finish - line.start).norm() * turning_load(line.element);
         if (description_.lumped_beams || line.line.stretches_only) continue;
-        const Vector3 chord = (points.back() - points.front()).normalized();
-        double away = 0;
-        for (const Vector3& point : points) away = std::max(away, (point - points.front()).cross(chord).norm());
-        const Section& section = line.line.section;
-        const double bending = is_given(section.EIy) && is_given(section.EIz) ? std::min(section.EIy, section.EIz)
-                               : is_given(section.EIy)                        ? section.EIy
-                                                                              : section.EIz;
-        own.share = away / std::sqrt(bending / section.EA);
+        own.share = forces_of(line).bend(line.line.section);
         own.is_lumped = own.share > kStraight;
     }
+}
+
+LineForces RestingParts::forces_of(const LineSpec& line) const {
+    const FrequencyModel::RestingLine& own = model_.resting[as_size(line.element)];
+    LineForces forces(own.points, own.forces, Vector6::Zero());
+    return {own.points, own.forces, own.turning / forces.length()};
 }
 
 /// Of the loads along a line that turn with it: force per length at its start and at its end, at the start of time.
@@ -115,9 +133,8 @@ std::vector<const AtRest::Link*> RestingParts::place(Assembly& assembly) const {
         line.finish = own.back().to.point(line.finish);
         place_frame(line.from, own.front().from);  // what lines alone join
         place_frame(line.to, own.back().to);
-        const double stretched = (line.finish - line.start).norm();
-        scale_to(line.line.section, stretched / length);
-        const Vector3 x = (line.finish - line.start) / stretched, y = own.front().from.turn * line.line.axes.col(1),
+        scale_to(line.line.section, forces_of(line).length() / length);
+        const Vector3 x = (line.finish - line.start).normalized(), y = own.front().from.turn * line.line.axes.col(1),
                       z = x.cross(y).normalized();
         line.line.axes << x, z.cross(x), z;
     }
@@ -208,7 +225,7 @@ void RestingParts::add_lever(int element, int frame, const Vector3& point, const
 void RestingParts::add_bar_force(const LineModel& line, const LineForces& forces) {
     const int frame = line.from >= 0 ? line.from : line.to;
     if (frame < 0) return;
-    const Vector3 f = line.axes * forces.mean_force(), e = line.axes.col(0);
+    const Vector3 f = forces.mean_force(), e = line.axes.col(0);
     Matrix6 stiffness = Matrix6::Zero();
     stiffness.bottomRightCorner<3, 3>() =
         forces.length() * (f.dot(e) * Matrix3::Identity() - 0.5 * (e * f.transpose() + f * e.transpose()));
@@ -216,7 +233,7 @@ void RestingParts::add_bar_force(const LineModel& line, const LineForces& forces
     Matrix6 half = Matrix6::Zero();
     for (size_t k = 0; k < LineShapes::kPoints.size(); ++k) {
         const double s = LineShapes::kPoints[k] * forces.length(), weight = LineShapes::kWeights[k] * forces.length();
-        const Matrix3 q = 0.5 * weight * skew(Vector3(line.axes * forces.turning_load(s)));
+        const Matrix3 q = 0.5 * weight * skew(Vector3(line.axes * forces.turning_load(LineShapes::kPoints[k])));
         half.topRightCorner<3, 3>() += q;
         half.bottomRightCorner<3, 3>() += skew(Vector3(line.start + s * e - model_.origin(frame))) * q;
     }
@@ -224,10 +241,7 @@ void RestingParts::add_bar_force(const LineModel& line, const LineForces& forces
     model_.levers.push_back({line.element, frame, stiffness, true});
 }
 
-void RestingParts::add_deviation(const LineModel& line, const LineForces& forces, double start, const LineShapes& shapes) {
-    const Section& section = line.line.section;
-    const Matrix12 K = forces.stiffness(start, line.length(), line.axial, section.GJ, shapes) +
-                       forces.stiffness_of_axis(start, line.length(), section.EA, shapes);
+void RestingParts::add_deviation(const LineModel& line, const Matrix12& K) {
     Bond turning;
     turning.element = line.element;
     turning.from = line.from;

@@ -20,6 +20,7 @@ public:
 
     /// How far lines are bent, and their forces. Their joints are those of the lumps of the network that came to rest.
     void find_lines();
+    LineForces forces_of(const LineSpec& line) const;
     /// Moves the frames of the assembly to where they rest; the link of every joint there.
     std::vector<const AtRest::Link*> place(Assembly& assembly) const;
     /// at: its frames, and from, to: their numbers in the model.
@@ -31,8 +32,8 @@ public:
     void add_loads(const Assembly& assembly, const std::vector<int>& frame_of);
     /// What the forces of a bar do as it turns with a frame.
     void add_bar_force(const LineModel& line, const LineForces& forces);
-    /// What forces of a line but the axial one of its waves do from `start` of it on, where this segment of it begins.
-    void add_deviation(const LineModel& line, const LineForces& forces, double start, const LineShapes& shapes);
+    /// What forces of a piece of a line but the axial one of its waves do: K, local axes.
+    void add_deviation(const LineModel& line, const Matrix12& K);
     /// What a force that keeps its direction adds as its lever arm turns with a frame: symmetric part.
     void add_lever(int element, int frame, const Vector3& point, const Vector3& force);
 

@@ -46,7 +46,7 @@ Vector6 motion_along(const DynamicStiffness& D, const LineModel& line, const Fra
     const int i = std::min(D.count(line) - 1, static_cast<int>(s / piece_length));
     const double from_start = s - i * piece_length;
     const Vector12 start = state_at_start(D, *(first + i), u);
-    Vector6 local = (line.waves->transfer(D.lambda(), from_start) * start).head<6>();
+    Vector6 local = (line.waves->transfer(D.lambda(), from_start, i * piece_length) * start).head<6>();
     if (D.model().is_bar(line)) local.segment<3>(1) += from_start * Vector3(start(5), -start(4), 0);
     const double share = s / line.length();
     for (Eigen::Index d : {1, 2})  // straight between pins
@@ -138,15 +138,16 @@ std::vector<Station> stations(const DynamicStiffness& D, const FrameVector& u) {
     std::vector<Station> list;
     for (size_t b = 0; b < model.centres.size(); ++b) list.push_back({model.centres[b], model.by_centre(as_int(b)) * u[b]});
     for (size_t n = 0; n < model.nodes.size(); ++n) list.push_back({model.nodes[n].position, model.node_motion(n, u)});
-    std::vector<std::optional<Matrix12>> steps(model.kinds.size());  // from station to station
+    std::vector<std::vector<Matrix12>> transfers(D.slot_count());  // from the start to each station
     for (const DynamicStiffness::Piece& piece : D.pieces()) {
         const LineModel& line = D.line(piece);
         const double step = D.piece_length(line) / kStations;
-        std::optional<Matrix12>& transfer = steps[line.kind];
-        if (!transfer) transfer = line.waves->transfer(D.lambda(), step);
-        Vector12 state = state_at_start(D, piece, u);
+        std::vector<Matrix12>& to = transfers[D.slot(piece)];
+        for (int k = as_int(to.size()) + 1; k <= kStations; ++k)
+            to.push_back(line.waves->transfer(D.lambda(), k * step, piece.index * D.piece_length(line)));
+        const Vector12 start = state_at_start(D, piece, u);
         for (int k = 1; k <= kStations; ++k) {
-            state = (*transfer * state).eval();
+            const Vector12 state = to[as_size(k - 1)] * start;
             const double s = (piece.index * kStations + k) * step;
             list.push_back({line.start + s * line.axes.col(0), both(line.axes) * state.head<6>()});
         }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -21,16 +22,34 @@ Section slender() {
     return s;
 }
 
-/// What axial forces, from one end to the other, add to the stiffness of a piece between two stations.
-Matrix12 under(double first, double last) {
+LineShapes shapes_of(const Section& section) {
     Line line;
     line.axes = Matrix3::Identity();
-    line.section = slender();
-    const LineWaves waves(line, kPiece, Directions(0b111111));
+    line.section = section;
+    return LineWaves(line, kPiece, Directions(0b111111)).static_shapes();
+}
+
+/// All of a line as one piece whose waves know no axial force.
+Matrix12 stiffness(const LineForces& forces, const Section& section) {
+    return forces.stiffness({0, 1, Matrix3::Identity(), kPiece, {}}, section, shapes_of(section));
+}
+
+/// Points at equal steps along x, beside which the line lies by `beside` in y.
+std::vector<Vector3> points(int segments, const std::function<double(double)>& beside = {}) {
+    std::vector<Vector3> all;
+    for (int k = 0; k <= segments; ++k) {
+        const double s = kPiece * k / segments;
+        all.emplace_back(s, beside ? beside(s) : 0, 0);
+    }
+    return all;
+}
+
+/// What axial forces, from one end to the other, add to the stiffness of a piece between two stations.
+Matrix12 under(double first, double last) {
     Vector6 a = Vector6::Zero(), b = a;
     a(0) = first;
     b(0) = last;
-    return LineForces({a, b}, kPiece, Vector6::Zero()).stiffness(0, kPiece, 0, line.section.GJ, waves.static_shapes());
+    return stiffness({points(1), {a, b}, Vector6::Zero()}, slender());
 }
 
 // Oracle: the geometric stiffness of a beam with cubic deflections, ∫ N v'² ds, of a force N and of N (1 − s/L).
@@ -50,54 +69,70 @@ TEST(LineForces, AxialForceMakesTheGeometricStiffness) {
     EXPECT_LT((even - even.transpose()).norm(), 1e-12 * even.norm());
 }
 
-/// As joints of equal segments tell them, the outer ones a quarter of a segment inside the ends.
+/// Forces of a load q per length between pins.
 LineForces under_uniform_load(double q, int segments) {
-    std::vector<Vector6> joints;
+    std::vector<Vector6> stations;
     for (int k = 0; k <= segments; ++k) {
-        const double step = kPiece / segments, s = step * k,
-                     at = k == 0          ? 0.25 * step
-                          : k == segments ? kPiece - 0.25 * step
-                                          : s;
+        const double s = kPiece * k / segments;
         Vector6 forces = Vector6::Zero();
         forces(1) = q * (kPiece / 2 - s);
-        forces(5) = -q * s * (kPiece - s) / 2 - forces(1) * (at - s);  // the load stands in the middles of the segments
-        joints.push_back(forces);
+        forces(5) = -q * s * (kPiece - s) / 2;
+        stations.push_back(forces);
     }
-    static const Section section = slender();
-    return {joints, kPiece, Vector6::Zero(), &section};
+    return {points(segments), stations, Vector6::Zero()};
 }
 
-// Oracle: of a beam that sags by w under a uniform load, ∫ w'·u' ds = q L⁴/(120 EI) for the cubic u of a unit rotation of an
-// end, and the energy ½ EA/L (Δu_x + ∫ w'·u' ds)².
+// Oracle: of a beam that a uniform moment bends, w' = κ (s − L/2), ∫ w'·u' ds of the cubic u = s (1 − s/L)² and of the other
+// end is κ L²/12, and the energy ½ EA/L (Δu_x + ∫ w'·u' ds)². The difference of two EA leaves out what the moment does.
 TEST(LineForces, ABentAxisCouplesBendingAndTension) {
-    constexpr double kLoad = 370;
+    constexpr double kMoment = 900;
     const Section section = slender();
-    Line line;
-    line.axes = Matrix3::Identity();
-    line.section = section;
-    const LineWaves waves(line, kPiece, Directions(0b111111));
-    const Matrix12 K = under_uniform_load(kLoad, 40).stiffness_of_axis(0, kPiece, section.EA, waves.static_shapes());
-    const double longer = kLoad * std::pow(kPiece, 4) / (120 * section.EIz), along = section.EA / kPiece;
-    const auto near = [](double found, double expected) { EXPECT_NEAR(found, expected, 2e-3 * std::abs(expected)); };
+    Section stiff = section;
+    stiff.EA *= 3;
+    Vector6 moment = Vector6::Zero();
+    moment(5) = kMoment;
+    const LineForces forces(points(1), {moment, moment}, Vector6::Zero());
+    const Matrix12 K = stiffness(forces, stiff) - stiffness(forces, section);
+    const double longer = -kMoment / section.EIz * kPiece * kPiece / 12, along = 2 * section.EA / kPiece;
+    const auto near = [](double found, double expected) { EXPECT_NEAR(found, expected, 1e-8 * std::abs(expected)); };
     near(K(0, 5), -along * longer);
     near(K(6, 5), along * longer);
     near(K(6, 11), -along * longer);
     near(K(5, 5), along * longer * longer);
     near(K(5, 11), -along * longer * longer);
-    EXPECT_NEAR(K(6, 1), 0, 1e-6 * along * longer);  // a shift bends nothing
-    EXPECT_NEAR(K(6, 4), 0, 1e-12 * along * longer);
-    EXPECT_EQ(K(0, 0), 0);
-    EXPECT_EQ(K, K.transpose());
+    EXPECT_NEAR(K(6, 1), 0, 1e-9 * along * std::abs(longer));  // a shift bends nothing
+    EXPECT_NEAR(K(6, 4), 0, 1e-9 * along * std::abs(longer));
+    EXPECT_NEAR(K(0, 0), 0, 1e-9 * along);
 }
 
-// Oracle: the slope of the sag at the ends by hand, which a parabola of that slope and length L turns into L/4 of it, over
-// the radius of gyration: 0.04 wants √(0.04/5e-5) pieces, a hundredth of it three.
+// Oracle: a line that a moment bends about its z turns by φ = κ (s − L/2) there. With a twist between its ends, θ_x' = 1/L,
+// and a rotation of its start about y, θ_y = 1 − 4 t + 3 t² at t = s/L, ½ ∫ θ'·(φ × D − D φ ×) θ' ds is −(EIy − GJ) ∫ φ θ_x'
+// θ_y' ds = −(EIy − GJ) κ/2. What the moment does as it turns, −½ M ∫ (θ_x θ_y' − θ_y θ_x') ds, is zero.
+TEST(LineForces, ABentAxisCouplesBendingAndTorsion) {
+    constexpr double kMoment = 40;
+    const Section section = slender();
+    Vector6 moment = Vector6::Zero();
+    moment(5) = kMoment;
+    const Matrix12 K = stiffness({points(1), {moment, moment}, Vector6::Zero()}, section);
+    const double expected = -0.5 * (section.EIy - section.GJ) * kMoment / section.EIz;
+    EXPECT_NEAR(K(9, 4), expected, 1e-6 * std::abs(expected));
+    EXPECT_NEAR(K(4, 9), expected, 1e-6 * std::abs(expected));
+}
+
+// Oracle: a sag of 0.04 of the radius of gyration wants 0.04/5e-3 pieces, less than 0.01 two.
 TEST(LineForces, PiecesByTheBend) {
     const Section section = slender();
-    const double radius = std::sqrt(section.EIy / section.EA), load = 24 * section.EIz / std::pow(kPiece, 3) * 4 / kPiece;
-    EXPECT_EQ(under_uniform_load(0.04 * radius * load, 40).pieces(section), 29);
-    EXPECT_EQ(under_uniform_load(0.0004 * radius * load, 40).pieces(section), 3);
-    EXPECT_EQ(under_uniform_load(0.9e-5 * radius * load, 40).pieces(section), 1);
+    const double radius = std::sqrt(section.EIy / section.EA);
+    const auto pieces = [&](double share) {
+        const auto sag = [&](double s) { return share * radius * 4 * s / kPiece * (1 - s / kPiece); };
+        const LineForces forces(points(40, sag), std::vector<Vector6>(41, Vector6::Zero()), Vector6::Zero());
+        EXPECT_NEAR(forces.bend(section), share, 1e-9 * share);
+        return forces.pieces(section);
+    };
+    EXPECT_EQ(pieces(0.0399), 8);
+    EXPECT_EQ(pieces(0.0401), 9);
+    EXPECT_EQ(pieces(0.0004), 2);
+    EXPECT_EQ(pieces(0.9e-5), 1);
 }
 
 // Oracle: the parabola of a beam under a uniform load.
@@ -106,34 +141,41 @@ TEST(LineForces, MomentsAreAsTheShearWantsThem) {
     for (const int segments : {1, 3, 8}) {
         const LineForces forces = under_uniform_load(kQ, segments);
         for (const double s : {0.0, 0.11, 0.9, kPiece}) {
-            EXPECT_NEAR(forces.at(s)(1), kQ * (kPiece / 2 - s), 1e-12 * kQ);
-            EXPECT_NEAR(forces.at(s)(5), -kQ * s * (kPiece - s) / 2, 1e-12 * kQ) << s;
+            EXPECT_NEAR(forces.at(s / kPiece)(1), kQ * (kPiece / 2 - s), 1e-12 * kQ);
+            EXPECT_NEAR(forces.at(s / kPiece)(5), -kQ * s * (kPiece - s) / 2, 1e-12 * kQ) << s;
         }
         EXPECT_NEAR(forces.mean_force().y(), 0, 1e-12 * kQ);
+        EXPECT_NEAR(forces.mean_force(0.1, 0.7).y(), kQ * kPiece * 0.1, 1e-12 * kQ);
     }
 }
 
 // Oracle: the shares by hand. A share of 1e-5 of the bending stiffness moves the lowest frequency of a mast by less than
-// 3e-6. Sixteen times as much wants two pieces if it is an axial force, four if it is the square of a moment.
+// 3e-6. Sixteen times as much wants two pieces if it is an axial force that is not linear, four if it is the square of a
+// moment. The waves know a linear axial force.
 TEST(LineForces, PiecesByTheShareOfTheStiffness) {
     const Section section = slender();
     const double along = M_PI * M_PI * section.EIy / (kPiece * kPiece),
                  across = std::sqrt(section.EIy * section.GJ) / kPiece;
-    const auto pieces = [&](Eigen::Index direction, double size, int segments = 8) {
+    const auto pieces = [&](Eigen::Index direction, const std::function<double(double)>& size, int segments = 8) {
         std::vector<Vector6> forces;
-        for (int k = 0; k <= segments; ++k) forces.push_back((1 - 2.0 * k / segments) * size * Vector6::Unit(direction));
-        return LineForces(forces, kPiece, Vector6::Zero()).pieces(section);
+        for (int k = 0; k <= segments; ++k) forces.push_back(size(2.0 * k / segments - 1) * Vector6::Unit(direction));
+        return LineForces(points(segments), forces, Vector6::Zero()).pieces(section);
     };
-    EXPECT_EQ(pieces(0, 0.9e-5 * along), 1);
-    EXPECT_EQ(pieces(0, 1.1e-5 * along), 2);
-    EXPECT_EQ(pieces(0, 1.59e-5 * along), 2);
-    EXPECT_EQ(pieces(0, 1.61e-5 * along), 3);
-    EXPECT_EQ(pieces(0, 0.3 * along), 8) << "its segments at most";
-    EXPECT_EQ(pieces(0, 0.3 * along, 1), 1);
+    const auto axial = [&](double share, int segments = 8) {  // of zero mean
+        return pieces(
+            0, [&](double x) { return x == 0 ? 0 : (x < 0 ? -1 : 1) * (1 - std::abs(x)) * share * along / 0.75; }, segments);
+    };
+    EXPECT_EQ(pieces(0, [&](double x) { return x * along; }), 1);
+    EXPECT_EQ(axial(0.9e-5), 1);
+    EXPECT_EQ(axial(1.1e-5), 2);
+    EXPECT_EQ(axial(1.59e-5), 2);
+    EXPECT_EQ(axial(1.61e-5), 3);
+    EXPECT_EQ(axial(0.3), 8) << "its segments at most";
     for (const Eigen::Index moment : {3, 4, 5}) {
-        EXPECT_EQ(pieces(moment, 0.99 * std::sqrt(1e-5) * across), 1);
-        EXPECT_EQ(pieces(moment, 1.01 * std::sqrt(1e-5) * across), 2);
-        EXPECT_EQ(pieces(moment, 0.99 * std::sqrt(16e-5) * across), 4);
+        const auto with = [&](double share) { return pieces(moment, [&](double) { return std::sqrt(share) * across; }); };
+        EXPECT_EQ(with(0.98e-5), 1);
+        EXPECT_EQ(with(1.02e-5), 2);
+        EXPECT_EQ(with(15.7e-5), 4);
     }
 }
 

@@ -293,7 +293,7 @@ TEST(LineWaves, PiecesOfACoupledBeamAreThoseOfTheirBound) {
                        bends(s.EIz, s.GAy, m * (1 + y_twist), about_z * (1 + along_z + yz)) &&
                        bends(s.EIy, s.GAz, m * (1 + z_twist), about_y * (1 + along_y + yz));
             };
-            const int count = LineWaves(line, kLong, kAll, axial).pieces(omega, 100000);
+            const int count = LineWaves(line, kLong, kAll, {axial, axial}).pieces(omega, 100000);
             EXPECT_TRUE(holds(count)) << axial << ": " << omega;
             if (count > 1) {
                 EXPECT_FALSE(holds(count - 1)) << axial << ": " << omega;
@@ -311,12 +311,12 @@ TEST(LineWaves, PiecesUnderPressureAndAsStrongATensionAsShear) {
     for (const double axial : {-6e6, -2e6, 1e6}) {
         const double longest = M_PI * std::sqrt(s.EIz / std::abs(axial * (1 - axial / s.GAy)));
         for (const int count : {2, 5}) {
-            EXPECT_EQ(LineWaves(line, (count - 1e-6) * longest, plane, axial).pieces(0, 100), count) << axial;
-            EXPECT_EQ(LineWaves(line, (count + 1e-6) * longest, plane, axial).pieces(0, 100), count + 1) << axial;
+            EXPECT_EQ(LineWaves(line, (count - 1e-6) * longest, plane, {axial, axial}).pieces(0, 100), count) << axial;
+            EXPECT_EQ(LineWaves(line, (count + 1e-6) * longest, plane, {axial, axial}).pieces(0, 100), count + 1) << axial;
         }
     }
     for (const double axial : {3e6 * (1 - 1e-12), 3e6, 3e6 * (1 + 1e-12)}) {
-        const int count = LineWaves(line, kLength, plane, axial).pieces(1e5, 100000);
+        const int count = LineWaves(line, kLength, plane, {axial, axial}).pieces(1e5, 100000);
         const double lambda = 2e10, x = std::pow(kLength / count / M_PI, 2);
         EXPECT_LE((lambda * s.rotary_z + s.EIz * lambda * s.mass / s.GAy) * x, s.EIz) << axial;
         EXPECT_LT(count, 200) << axial;
@@ -330,7 +330,7 @@ TEST(LineWaves, PiecesOfABeamWithAllCouplingsStaySilent) {
     soft.section.GAy = 3e5, soft.section.GAz = 4e5, soft.section.offset_y = 0.15, soft.section.inertia += 0.4;
     for (const Line& line : {timoshenko(), soft})
         for (const double axial : {0.0, -2e5, -2e6, 2e5, 9e6}) {
-            const LineWaves waves(line, kLength, kAll, axial);
+            const LineWaves waves(line, kLength, kAll, {axial, axial});
             for (double omega = 10; omega < 1e6; omega *= 3) {
                 const int count = waves.pieces(omega, 100000);
                 double before = 0;
@@ -400,6 +400,64 @@ TEST(LineWaves, DampingTurnsItsModulus) {
     const std::complex<double> b = omega * std::sqrt(straight.section.mass / (straight.section.EA * factor));
     LineWaves(straight, kLength, kAll).evaluate<std::complex<double>>(1, omega * omega, factor, D, nullptr);
     EXPECT_LT(std::abs(D(0, 0) - b * straight.section.EA * factor / std::tan(b * kLength)), 1e-12 * std::abs(D(0, 0)));
+}
+
+// Oracle: many short uniform lines in a row, each under the force of its middle, which err by second order: extrapolated.
+// The expansion is of fourth order: half as long pieces err by 16 times less.
+TEST(LineWaves, AnAxialForceThatVariesAlongTheLine) {
+    const Line line = timoshenko();
+    const LineWaves::Axial axial{4.1e6, -1.7e6};
+    const LineWaves graded(line, kLength, kAll, axial);
+    EXPECT_TRUE(graded.is_graded());
+    EXPECT_FALSE(LineWaves(line, kLength, kAll, {3e5, 3e5}).is_graded());
+    constexpr double kLambda = 3e5;
+    const auto in_row = [&](int count) {
+        Matrix12 U = Matrix12::Identity();
+        for (int k = 0; k < count; ++k) {
+            const double middle = axial[0] + (k + 0.5) / count * (axial[1] - axial[0]);
+            U = (LineWaves(line, kLength / count, kAll, {middle, middle}).transfer(kLambda, kLength / count) * U).eval();
+        }
+        return U;
+    };
+    const Matrix12 expected = (4 * in_row(800) - in_row(400)) / 3;
+    const auto error = [&](int count) {
+        Matrix12 U = Matrix12::Identity();
+        const double h = kLength / count;
+        for (int k = 0; k < count; ++k) U = (graded.transfer(kLambda, h, k * h) * U).eval();
+        double largest = 0;  // of what belongs together: rows of one unit
+        for (Eigen::Index i = 0; i < 12; ++i)
+            largest = std::max(largest, (U - expected).row(i).norm() / expected.row(i).norm());
+        return largest;
+    };
+    EXPECT_LT(error(16), 1e-4);
+    EXPECT_NEAR(error(8) / error(16), 16, 3);
+    // The dynamic stiffness is that of the same equations, and its mass is -∂D/∂λ
+    Matrix12 D, M, above, below;
+    graded.evaluate<double>(4, kLambda, 1, D, &M, 2);
+    const Matrix12 U = graded.transfer(kLambda, kLength / 4, kLength / 2);
+    Vector12 ends;
+    ends << 0.3, -1.1, 0.7, 0.2, 0.5, -0.4, 0.9, 0.1, -0.6, 0.8, -0.3, 0.2;
+    Vector12 start;
+    start << ends.head<6>(), -(D * ends).head<6>();
+    const Vector12 finish = U * start;
+    EXPECT_LT((finish.head<6>() - ends.tail<6>()).norm(), 1e-9);
+    EXPECT_LT((finish.tail<6>() - (D * ends).tail<6>()).norm(), 1e-9 * (D * ends).tail<6>().norm());
+    EXPECT_LT((D - D.transpose()).norm(), 1e-12 * D.norm());
+    const double step = 1e-3 * kLambda;
+    graded.evaluate<double>(4, kLambda + step, 1, above, nullptr, 2);
+    graded.evaluate<double>(4, kLambda - step, 1, below, nullptr, 2);
+    EXPECT_LT((M + (above - below) / (2 * step)).norm(), 1e-6 * M.norm());
+}
+
+// Oracle: the fourth root by hand: 0.0055 v/k⁴ is 1e-7, v = |N₁ − N₀| L²/EI.
+TEST(LineWaves, PiecesByTheRiseOfTheAxialForce) {
+    Line line = euler();
+    const double unit = std::min(line.section.EIy, line.section.EIz) / (kLength * kLength);
+    for (const int count : {2, 5, 9}) {
+        const double rise = std::pow(count, 4) * 1e-7 / 0.0055 * unit;
+        EXPECT_EQ(LineWaves(line, kLength, kAll, {0, (1 - 1e-9) * rise}).pieces(0, 100), count);
+        EXPECT_EQ(LineWaves(line, kLength, kAll, {-(1 + 1e-9) * rise, 0}).pieces(0, 100), count + 1);
+    }
 }
 
 }  // namespace

@@ -157,8 +157,8 @@ void Network::begin(const dttmm_step& step, const dttmm_motion* bodies, const do
     if (!(step.size > 0) || !std::isfinite(step.size))
         throw Error(DTTMM_ERROR_ARGUMENT, "start: the step size must be positive");
     for (const Joint& joint : mechanism_.joints) {
-        const auto [from, to] = bodies_.seen(joint, bodies);
-        joint.refuse_large_rotation(from, to);
+        const auto frame = [&](int f) { return at_rest ? FrameView((*at_rest)[as_size(f)]) : bodies_.seen(f, bodies); };
+        joint.refuse_large_rotation(frame(joint.from()), frame(joint.to()));
     }
     mechanism_.steps = 0;
     mechanism_.scheme.set_step_size(step.size);

@@ -88,6 +88,43 @@ TEST(Statics, AnEndMomentBendsABarIntoACircle) {
     EXPECT_LT(before, 2e-5);
 }
 
+// Oracle: closed forms of a uniform bar under a moment M at its end, EI = GJ = 1 N m², L = 1 m: twisted by M, or bent into
+// an arc of the angle M. Every segment turns by M/40 only. The arc is a polygon of 40 chords: 1e-3 of its error.
+TEST(Statics, ABodyAtTheEndOfABarTurnsFar) {
+    for (const double moment : {2.7, 3.1, 3.7}) {
+        const auto with_body = [&](const char* direction) {
+            return fmt::format(R"(format = "dttmm/1"
+[nodes]
+root = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+[[body]]
+name = "tip"
+mass = 0.3
+inertia = [0.01, 0.02, 0.02]
+position = [1, 0, 0]
+[[element]]
+name = "bar"
+type = "beam"
+from = "root"
+to = "tip"
+segments = 40
+theory = "euler-bernoulli"
+section = {{ EA = 1e6, EIy = 1, EIz = 1.7, GJ = 1, mass = 0.1, inertia = 1e-6 }}
+[[load]]
+on = "tip"
+direction = {}
+moment = {}
+)",
+                               direction, moment);
+        };
+        AtRest twisted = rest_of(with_body("[1, 0, 0]"));
+        EXPECT_NEAR(twisted.row["bar.moment.x"], moment, 1e-9);
+        EXPECT_NEAR(std::abs(twisted.row["tip.quaternion.x"]), std::sin(moment / 2), 1e-9);
+        AtRest bent = rest_of(with_body("[0, -1, 0]"));
+        EXPECT_NEAR(bent.row["tip.position.x"], std::sin(moment) / moment, 2e-4);
+        EXPECT_NEAR(bent.row["tip.position.z"], (1 - std::cos(moment)) / moment, 2e-4);
+    }
+}
+
 /// 45 degree bend of Bathe and Bolourchi (1979) under 600 lb out of its plane: tip at (15.685, 47.150, 53.475) by a fine own
 /// integration of the rod's equations (torsion constant that of Simo and Vu-Quoc, 2 I), who have (15.79, 47.23, 53.37).
 TEST(Statics, TheBendOfBatheAndBolourchi) {

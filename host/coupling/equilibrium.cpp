@@ -19,6 +19,9 @@ namespace {
 
 /// Of one Newton correction [rad]: the derivative says little of what is farther.
 constexpr double kMostTurn = 0.5;
+/// Of what supports and motors ask for in one load step [rad]. Bodies and springs are followed from one load step to the
+/// next: two supports that turn against each other stay within half a turn.
+constexpr double kMostAskedTurn = 1;
 /// Iterations for one load step. The elastica takes some 20 in one step, a chain of 2000 links that starts as a zigzag 13.
 constexpr int kMostIterations = 1000;
 /// Of the extent of the machine: what has to be moved farther in one iteration is held by nothing.
@@ -42,6 +45,20 @@ constexpr double kLeastStep = 1.0 / 1024;
 /// s by the largest stiffness over mass: what vibrates 10⁶ times slower than the fastest counts as not held.
 constexpr double kLeastResistance = 1e-12;
 
+/// What one support may ask for, and all motors in a row [rad].
+double asked_turn(const Model& model, double t0) {
+    double of_supports = 0, of_motors = 0;
+    for (const Node& node : model.nodes) {
+        Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+        for (int d = 0; d < 3; ++d)
+            if (const auto& signal = node.motion[as_size(3 + d)]) turn(d) = signal->value(t0);
+        of_supports = std::max(of_supports, turn.norm());
+    }
+    for (const Joint& joint : model.joints)
+        if (joint.drive && joint.type == JointType::hinge) of_motors += std::abs(joint.drive->value(t0));
+    return of_supports + of_motors;
+}
+
 }  // namespace
 
 Equilibrium::Equilibrium(const Model& model, Networks& networks, Loads& loads)
@@ -63,7 +80,8 @@ const RestState& Equilibrium::find(double t0) {
     loads_.start(t0);
     joints_.start(t0);
     networks_.begin_statics();
-    double done = 0, step = 1;
+    const double asked = asked_turn(model_, t0), largest_step = asked > kMostAskedTurn ? kMostAskedTurn / asked : 1;
+    double done = 0, step = largest_step;
     RestingJoints::Opening widest;
     while (done < 1) {
         const double factor = std::min(1.0, done + step);
@@ -71,7 +89,7 @@ const RestState& Equilibrium::find(double t0) {
         if (attempt.is_converged) {
             done = factor;
             ++state_.load_steps;
-            step *= 2;
+            step = std::min(2 * step, largest_step);
             networks_.keep_statics();
             kept_ = state_.at;
             joints_.keep();
@@ -85,7 +103,7 @@ const RestState& Equilibrium::find(double t0) {
         state_.at = kept_;
         joints_.recall();
         // Without elements there is nothing that a smaller load would bend less: it rests at the same place
-        if (step >= kLeastStep && !networks_.instances().empty()) continue;
+        if (step >= kLeastStep * largest_step && !networks_.instances().empty()) continue;
         const std::string found = done > 0 ? fmt::format(", but one under {:.4g} of them", done) : "";
         if (widest.share > kContradiction)
             throw Error(ExitCode::numerical_failure,

@@ -24,6 +24,17 @@ HalfCotangent half_cotangent_at(double squared) {
 
 }  // namespace
 
+Vector3 angular_velocity(const Vector3& theta, const Vector3& rate) {
+    const double squared = theta.squaredNorm(), angle = std::sqrt(squared), half = std::sin(0.5 * angle);
+    const bool is_small = squared < detail::kSmall;
+    const double versine = is_small ? detail::versine(squared) : 2 * half * half / squared;
+    // (φ − sin φ)/φ³: the next term of the series is below 1e-13
+    const double third = is_small ? 1. / 6 - squared * (1. / 120 - squared * (1. / 5040 - squared * (1. / 362880)))
+                                  : (angle - std::sin(angle)) / (squared * angle);
+    const Vector3 once = theta.cross(rate);
+    return rate + versine * once + third * theta.cross(once);
+}
+
 Matrix3 moment_of_gradient_rate(const Vector3& theta, const Vector3& v) {
     // J⁻ᵀ v = v + θ × v/2 + c θ × (θ × v)
     const auto [c, slope] = half_cotangent_at(theta.squaredNorm());

@@ -32,6 +32,10 @@ inline Vector3 nearest_turn(const Vector3& theta, const Vector3& other) {
 /// Source: Bullo and Murray (1995), Proc. 3rd European Control Conf., 1091–1097.
 Matrix3 rotation_vector_rate(const Vector3& theta);
 
+/// J(θ) θ': the angular velocity of exp(θ~) while θ changes at the rate θ'. Any size of θ.
+///     J = I + (1 − cos φ)/φ² θ~ + (φ − sin φ)/φ³ θ~²,     φ = |θ|
+Vector3 angular_velocity(const Vector3& theta, const Vector3& rate);
+
 /// J⁻ᵀ(θ) v: makes of the gradient v by θ the moment that does its work. |θ| < 2π.
 template <class Real = double>
 Vector3Of<Real> moment_of_gradient(const std::type_identity_t<Vector3Of<Real>>& theta,

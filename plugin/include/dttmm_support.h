@@ -30,7 +30,7 @@ typedef struct dttmm_support_table {
 
     /* One per support, in the order of dttmm_network.supports: at the instant of the coming start, or at the end of the
      * coming step. Only a start looks at velocities and accelerations. The next iterations of the statics lead the supports
-     * there (displacement and rotation only); its start leaves them where these have led.
+     * there (displacement and rotation only; full turns count); its start leaves them where these have led.
      * Without a call they stay where they are. [after create, no step open] */
     dttmm_status (*move)(dttmm_instance* instance, const dttmm_support_motion* motions, dttmm_error* error);
 } dttmm_support_table;

@@ -235,11 +235,11 @@ void JointGeometry::refuse_large_rotation(FrameView from, FrameView to) const {
 
 void JointGeometry::refuse_rotation(double angle) const {
     if (angle <= kLargestRotation || kind_->springs.halves[1].stiffness.isZero(0)) return;
-    throw Error(
-        DTTMM_ERROR_NUMERIC,
-        fmt::format("its ends have turned {:.3g} rad against each other; a rotational stiffness holds up to {:g} rad", angle,
-                    kLargestRotation),
-        element_);
+    throw Error(DTTMM_ERROR_NUMERIC,
+                fmt::format("{} have turned {:.3g} rad against each other; a rotational stiffness holds up to {:g} rad{}",
+                            is_line() ? "the ends of one of its segments" : "its ends", angle, kLargestRotation,
+                            is_line() ? ": give it more segments" : ""),
+                element_);
 }
 
 }  // namespace dttmm::plugin

@@ -123,6 +123,7 @@ public:
 
     /// Throws Error(DTTMM_ERROR_NUMERIC) when a rotational stiffness has turned too far.
     void refuse_large_rotation(FrameView from, FrameView to) const;
+    void refuse_large_rotation(const Vector3& theta) const { refuse_rotation(theta.norm()); }
     void refuse_large_rotation(const JointState& state) const {
         if (!(state.theta.squaredNorm() <= kLargestRotation * kLargestRotation)) [[unlikely]]
             refuse_rotation(state.theta.norm());

@@ -84,10 +84,24 @@ void StaticNetwork::begin() {
     std::ranges::fill(now_.q, 0.0);
     predicted_.clear();
     joints_.clear();
-    keep();
+    kept_ = now_;
 }
 
-void StaticNetwork::keep() { kept_ = now_; }
+void StaticNetwork::keep() {
+    refuse_large_rotations();
+    kept_ = now_;
+}
+
+/// A rotation vector tells no full turns: it is followed from the place kept before.
+void StaticNetwork::refuse_large_rotations() const {
+    for (const Joint& joint : mechanism_.joints) {
+        if (!joint.turns()) continue;
+        const auto rotation = [&](const Place& place) {
+            return joint.rotation(place.frames[as_size(joint.from())], place.frames[as_size(joint.to())]);
+        };
+        joint.refuse_large_rotation(nearest_turn(rotation(now_), rotation(kept_)));
+    }
+}
 
 void StaticNetwork::recall() {
     now_ = kept_;

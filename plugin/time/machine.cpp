@@ -374,7 +374,7 @@ void Machine::set_static_loads(const double* gravity, const double* loads) {
 
 void Machine::form_static(const dttmm_motion* bodies, double resistance, double* wrench, double* stiffness) {
     supports_.form_statics();
-    const dttmm_motion* const all = joined_->with_supports(bodies, &Supports::write_at);
+    const dttmm_motion* const all = joined_->with_supports(bodies, &Supports::write_at_rest);
     double *const w = joined_->wrenches_for(wrench), *const k = joined_->blocks_for(stiffness, joined_->stiffness);
     for_each(*this, [&](Part& part) { part.network.form_static(all, resistance, w, k); });
     if (supports_.empty()) return;
@@ -411,16 +411,18 @@ dttmm_static_measure Machine::measure_static(const Find& find) {
 }
 
 void Machine::correct_static(const double* change, dttmm_static_measure* measure) {
-    const bool moves = supports_.write_change(joined_->changes.data());
+    const std::optional<double> turn_of_supports = supports_.write_change(joined_->changes.data());
     const double* const all = joined_->with_supports(change, joined_->changes.data());
     *measure = measure_static([&](Network& network) { return network.correct_static(all); });
+    if (!turn_of_supports) return;
+    measure->turn = std::max(measure->turn, *turn_of_supports);
     // Supports that move do work of their own, which does not tell uphill from downhill
-    if (moves) measure->work = std::abs(measure->work);
+    measure->work = std::abs(measure->work);
 }
 
 void Machine::move_static(const dttmm_motion* bodies, double share, double* wrench, dttmm_static_measure* measure) {
     supports_.move_statics(share);
-    const dttmm_motion* const all = joined_->with_supports(bodies, &Supports::write_at);
+    const dttmm_motion* const all = joined_->with_supports(bodies, &Supports::write_at_rest);
     double* const w = joined_->wrenches_for(wrench);
     *measure = measure_static([&](Network& network) { return network.move_static(all, share, w); });
     joined_->hand_out(wrench);

@@ -67,7 +67,8 @@ Supports::Supports(const dttmm_network& description) : description_(description)
     description_.nodes = all_nodes_.data();
     wanted_.resize(nodes_.size());
     first_ = wanted_;
-    at_ = before_ = end_ = base_ = kept_ = rest_;
+    at_ = before_ = end_ = rest_;
+    begin_statics();
     over_.resize(nodes_.size());
     rigid_.assign(nodes_.size(), Vector6::Zero());
     over_before_ = open_ = over_;
@@ -86,10 +87,12 @@ void Supports::move_to(const dttmm_support_motion* motions) {
     std::copy_n(motions, wanted_.size(), wanted_.begin());
 }
 
-Frame Supports::target(size_t s) const {
+Supports::Way Supports::wanted(size_t s) const { return {Map3(wanted_[s].displacement), Map3(wanted_[s].rotation)}; }
+
+Frame Supports::at_end(size_t s, const Way& way) const {
     Frame frame = rest_[s];
-    for (int i = 0; i < 3; ++i) frame.position[i] += wanted_[s].displacement[i];
-    Eigen::Map<RowMajor3>{frame.rotation} = rotation_from_vector(Vector3(Map3(wanted_[s].rotation)));
+    for (int i = 0; i < 3; ++i) frame.position[i] += way.shift(i);
+    Eigen::Map<RowMajor3>{frame.rotation} = rotation_from_vector(way.turn);
     return frame;
 }
 
@@ -107,6 +110,7 @@ void Supports::start() {
 }
 
 void Supports::start_at_rest() {
+    for (size_t s = 0; s < nodes_.size(); ++s) at_[s] = at_end(s, rest_at_[s]);
     before_ = at_;
     std::ranges::fill(over_, Twist{});
     over_before_ = over_;
@@ -170,37 +174,34 @@ void Supports::add_work(const double* wrenches, const double* rigid) {
 
 // ---- At rest ------------------------------------------------------------------------------------------------------------
 
-void Supports::begin_statics() { at_ = base_ = kept_ = rest_; }
+void Supports::begin_statics() {
+    rest_at_.assign(nodes_.size(), {});
+    rest_base_ = rest_kept_ = rest_at_;
+}
 
-void Supports::form_statics() { base_ = at_; }
-
-bool Supports::write_change(double* out) const {
-    bool moves = false;
+std::optional<double> Supports::write_change(double* out) const {
+    std::optional<double> largest;
     for (size_t s = 0; s < nodes_.size(); ++s, out += 6) {
-        const Frame end = target(s);
-        const bool is_there =
-            std::ranges::equal(end.position, base_[s].position) && std::ranges::equal(end.rotation, base_[s].rotation);
-        const Twist way = is_there ? Twist{} : between(base_[s], end);
-        Eigen::Map<Vector3>{out} = way.linear;
-        Eigen::Map<Vector3>{out + 3} = way.angular;
-        moves = moves || !is_there;
+        const Way &base = rest_base_[s], end = wanted(s);
+        const Vector3 shift = end.shift - base.shift, turn = angular_velocity(base.turn, end.turn - base.turn);
+        Eigen::Map<Vector3>{out} = shift;
+        Eigen::Map<Vector3>{out + 3} = turn;
+        if (!shift.isZero(0) || !turn.isZero(0)) largest = std::max(largest.value_or(0), turn.norm());
     }
-    return moves;
+    return largest;
 }
 
 void Supports::move_statics(double share) {
     for (size_t s = 0; s < nodes_.size(); ++s) {
-        at_[s] = target(s);
-        if (share == 1) continue;
-        const Twist way = between(base_[s], at_[s]);
-        Eigen::Map<Vector3>{at_[s].position} = FrameView(base_[s]).origin() + share * way.linear;
-        Eigen::Map<RowMajor3>{at_[s].rotation} =
-            rotation_from_vector(Vector3(share * way.angular)) * FrameView(base_[s]).axes();
+        const Way &base = rest_base_[s], end = wanted(s);
+        rest_at_[s] = share == 1
+                          ? end
+                          : Way{base.shift + share * (end.shift - base.shift), base.turn + share * (end.turn - base.turn)};
     }
 }
 
-void Supports::write_at(std::span<dttmm_motion> out) const {
-    for (size_t s = 0; s < nodes_.size(); ++s) write(out[s], at_[s], {});
+void Supports::write_at_rest(std::span<dttmm_motion> out) const {
+    for (size_t s = 0; s < nodes_.size(); ++s) write(out[s], at_end(s, rest_at_[s]), {});
 }
 
 }  // namespace dttmm::plugin

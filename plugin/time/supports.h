@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -45,15 +46,16 @@ public:
     /// Up to the start of the step last committed [J].
     double work() const { return record_.work; }
 
-    // At rest: one iteration takes them to where they are to be.
+    // At rest: one iteration takes them to where they are to be. Their rotation vectors go there straight, so that full
+    // turns count.
     void begin_statics();
-    void keep_statics() { kept_ = at_; }
-    void recall_statics() { at_ = kept_; }
-    void form_statics();
-    /// The small motion from where the equations were formed, 6 each; true if there is one.
-    bool write_change(double* out) const;
+    void keep_statics() { rest_kept_ = rest_at_; }
+    void recall_statics() { rest_at_ = rest_kept_; }
+    void form_statics() { rest_base_ = rest_at_; }
+    /// The small motion from where the equations were formed, 6 each; the largest turn of it, or none if nothing moves.
+    std::optional<double> write_change(double* out) const;
     void move_statics(double share);
-    void write_at(std::span<dttmm_motion> out) const;
+    void write_at_rest(std::span<dttmm_motion> out) const;
 
     /// Shows the memory of what changes from step to step, as spans.
     template <class Self, class Visit>
@@ -69,7 +71,13 @@ public:
     }
 
 private:
-    Frame target(size_t support) const;
+    /// From the place described: displacement, and rotation vector of any size.
+    struct Way {
+        Vector3 shift = Vector3::Zero(), turn = Vector3::Zero();
+    };
+    Way wanted(size_t support) const;
+    Frame at_end(size_t support, const Way& way) const;
+    Frame target(size_t support) const { return at_end(support, wanted(support)); }
 
     std::vector<uint32_t> nodes_;
     std::vector<dttmm_body> bodies_;
@@ -77,14 +85,14 @@ private:
     dttmm_network description_;
 
     std::vector<dttmm_support_motion> wanted_;
-    std::vector<Frame> rest_;                  ///< as described
-    std::vector<Frame> at_, before_;           ///< at t_n, t_{n−1}; in statics where they are
-    std::vector<Frame> end_;                   ///< of the open step
-    std::vector<Frame> base_, kept_;           ///< in statics: where the equations were formed; where to go back to
-    std::vector<Twist> over_, over_before_;    ///< velocities over the last step, and over the one before
-    std::vector<Twist> open_;                  ///< over the open step
-    std::vector<dttmm_support_motion> first_;  ///< as they move at the start
-    std::vector<Vector6> rigid_;               ///< wrenches of rigid directions at the start of the last step
+    std::vector<Frame> rest_;                           ///< as described
+    std::vector<Frame> at_, before_;                    ///< at t_n, t_{n−1}
+    std::vector<Frame> end_;                            ///< of the open step
+    std::vector<Way> rest_at_, rest_base_, rest_kept_;  ///< in statics: now, where the equations were formed, kept
+    std::vector<Twist> over_, over_before_;             ///< velocities over the last step, and over the one before
+    std::vector<Twist> open_;                           ///< over the open step
+    std::vector<dttmm_support_motion> first_;           ///< as they move at the start
+    std::vector<Vector6> rigid_;                        ///< wrenches of rigid directions at the start of the last step
     struct Record {
         static constexpr bool kStaysOwn = true;  ///< see centring.h
         double work = 0, last_work = 0;          ///< up to the start of the last step, and over it [J]

@@ -173,6 +173,30 @@ TEST(LoadCases, APortalFrame) {
     EXPECT_EQ(cases.summary["cases"]["snow"]["load_steps"], 1);
 }
 
+// Oracle: a bar in torsion, M = GJ θ/L with GJ = 0.7 N m² and L = 1.4 m; θ is 160° by the factor of the case, beyond full
+// turns.
+TEST(LoadCases, FactorsOfImposedTwistsCountFullTurns) {
+    const std::map<std::string, double> factors = {{"back", -2.5}, {"near", 0.3}, {"turns", 5}};
+    std::string text = R"(format = "dttmm/1"
+[nodes]
+a = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+b = { position = [1.4, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"], motion = { rx = "160 deg" } }
+[[element]]
+name = "bar"
+type = "beam"
+from = "a"
+to = "b"
+segments = 30
+theory = "euler-bernoulli"
+section = { EA = 1e6, EIy = 2, EIz = 2, GJ = 0.7, mass = 0.1, inertia = 1e-3 }
+)";
+    for (const auto& [name, factor] : factors)
+        text += fmt::format("[[case]]\nname = \"{}\"\nfactors = {{ b = {} }}\n", name, factor);
+    const Cases cases = cases_of(text);
+    for (const auto& [name, factor] : factors)
+        EXPECT_NEAR(cases.at(name, "bar.moment.x"), 0.5 * factor * 160 * M_PI / 180, 1e-8) << name;
+}
+
 // Oracle: superposition, of forces small beside what would buckle the frame.
 TEST(LoadCases, CombinationsSuperpose) {
     const Cases cases = cases_of(portal());

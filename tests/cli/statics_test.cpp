@@ -125,6 +125,136 @@ moment = {}
     }
 }
 
+/// Two bars in series along an inclined line of 3 m, clamped at "a". "b" is held in the directions `fixed` and turned by a
+/// rotation vector [deg] of `angle` about the line, or across it.
+std::string turned_bars(const std::string& fixed, const Eigen::Vector3d& turn) {
+    return fmt::format(R"(format = "dttmm/1"
+[nodes]
+a = {{ position = [0.3, -0.2, 0.1], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+middle = [0.7, 0.6, 0.9]
+b = {{ position = [1.3, 1.8, 2.1], fixed = [{}], motion = {{ rx = "{:.17g} deg", ry = "{:.17g} deg", rz = "{:.17g} deg" }} }}
+[[element]]
+name = "lower"
+type = "beam"
+from = "a"
+to = "middle"
+segments = 30
+theory = "euler-bernoulli"
+section = {{ EA = 1e6, EIy = 2, EIz = 2, GJ = 1.3, mass = 0.1, inertia = 1e-6 }}
+[[element]]
+name = "upper"
+type = "beam"
+from = "middle"
+to = "b"
+segments = 40
+theory = "euler-bernoulli"
+section = {{ EA = 1e6, EIy = 2, EIz = 2, GJ = 0.7, mass = 0.1, inertia = 1e-6 }}
+)",
+                       fixed, turn.x(), turn.y(), turn.z());
+}
+
+const char* const kAllDirections = "\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"";
+
+double of(AtRest& rest, const std::string& vector, const Eigen::Vector3d& along) {
+    return along.x() * rest.row[vector + ".x"] + along.y() * rest.row[vector + ".y"] + along.z() * rest.row[vector + ".z"];
+}
+
+// Oracle: a bar in torsion, M = θ/(L₁/GJ₁ + L₂/GJ₂) with L = 1.2 and 1.8 m, however many turns.
+TEST(Statics, ImposedTwistsCountTheirFullTurns) {
+    const Eigen::Vector3d line = Eigen::Vector3d(1, 2, 2) / 3;
+    for (const double angle : {-170., 180., 190., 359., -550., 720., 1000.}) {
+        AtRest rest = rest_of(turned_bars(kAllDirections, angle * line));
+        const double expected = angle * M_PI / 180 / (1.2 / 1.3 + 1.8 / 0.7);
+        EXPECT_NEAR(of(rest, "b.reaction_moment", line), expected, 1e-8 * std::abs(expected)) << angle;
+        EXPECT_NEAR(rest.row["lower.moment.x"], expected, 1e-8 * std::abs(expected)) << angle;
+        EXPECT_EQ(rest.summary["growing_motions"], 0) << angle;
+    }
+}
+
+// Oracle: pure bending into an arc of the angle θ and the length L = 3 m: M = EI θ/L, the chord 2 L/θ sin(θ/2). The arc is a
+// polygon of 70 chords: its error is of second order in θ/70.
+TEST(Statics, AnImposedRotationBendsABarBeyondAFullCircle) {
+    const Eigen::Vector3d across = Eigen::Vector3d(2, 1, -2) / 3, root(0.3, -0.2, 0.1);
+    for (const double angle : {-200., 300., 440.}) {
+        AtRest rest = rest_of(turned_bars("\"rx\", \"ry\", \"rz\"", angle * across));
+        const double theta = angle * M_PI / 180;
+        EXPECT_NEAR(of(rest, "b.reaction_moment", across), 2 * theta / 3, 1e-3) << angle;
+        const Eigen::Vector3d tip(rest.row["b.position.x"], rest.row["b.position.y"], rest.row["b.position.z"]);
+        EXPECT_NEAR((tip - root).norm(), std::abs(6 / theta * std::sin(theta / 2)), 2e-3) << angle;
+    }
+}
+
+/// A bar of 1 m with GJ = 0.7 N m² along x that a motor twists at its end.
+std::string twisted_by_motor(const std::string& simulation, double angle, int segments = 30) {
+    return fmt::format(R"(format = "dttmm/1"
+[simulation]
+{}
+[nodes]
+root = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+[[body]]
+name = "tip"
+mass = 0.3
+inertia = [0.01, 0.02, 0.02]
+position = [1, 0, 0]
+[[joint]]
+name = "motor"
+type = "hinge"
+between = ["ground", "tip"]
+anchor = [1, 0, 0]
+axis = [1, 0, 0]
+angle = {}
+[[element]]
+name = "bar"
+type = "beam"
+from = "root"
+to = "tip"
+segments = {}
+theory = "euler-bernoulli"
+section = {{ EA = 1e6, EIy = 1, EIz = 1.7, GJ = 0.7, mass = 0.1, inertia = 1e-3 }}
+)",
+                       simulation, angle, segments);
+}
+
+TEST(Statics, MotorsCountTheirFullTurns) {
+    for (const double angle : {2.6, 3.0, 4.5, -12.0}) {
+        AtRest rest = rest_of(twisted_by_motor("", angle));
+        EXPECT_NEAR(rest.row["bar.moment.x"], 0.7 * angle, 1e-9) << angle;
+        EXPECT_NEAR(rest.row["motor.moment.x"], -0.7 * angle, 1e-9) << angle;
+        EXPECT_EQ(rest.summary["growing_motions"], 0) << angle;
+        std::map<std::string, double> row =
+            final_row(twisted_by_motor("start = \"equilibrium\"\nduration = 0.1\nstep = 1e-3", angle));
+        EXPECT_NEAR(row["bar.moment.x"], 0.7 * angle, 1e-9) << "the run stays there: " << angle;
+        EXPECT_LT(std::abs(row["tip.angular_velocity.x"]), 1e-9) << angle;
+    }
+}
+
+/// Half a turn is more than the rotation vector of one spring can tell: see plugin/README.md.
+TEST(Statics, WhatTurnsASpringTooFarIsRefused) {
+    for (const double angle : {2.7, 3.5, 6.2, 12.9}) {
+        const TemporaryFolder folder;
+        std::string text = twisted_by_motor("", angle);
+        const size_t bar = text.find("[[element]]");
+        text.replace(bar, std::string::npos, R"([[element]]
+name = "spring"
+type = "spring_damper"
+from = "root"
+to = "tip"
+stiffness = [1e5, 1e5, 1e5]
+rotational_stiffness = [0.7, 3, 3]
+)");
+        write_text(folder / "model.toml", text);
+        const Ended ended = run_dttmm(folder.path(), {"static", "model.toml"});
+        EXPECT_EQ(ended.code, 4) << angle;
+        EXPECT_THAT(ended.err, HasSubstr("element \"spring\" (plugin built in): its ends have turned")) << angle;
+        EXPECT_THAT(ended.err, HasSubstr("a rotational stiffness holds up to 2.5 rad")) << angle;
+        // Of a beam the segments: more of them hold more
+        write_text(folder / "model.toml", twisted_by_motor("", 2.2 * angle, 1));
+        const Ended short_of_segments = run_dttmm(folder.path(), {"static", "model.toml"});
+        EXPECT_EQ(short_of_segments.code, 4) << angle;
+        EXPECT_THAT(short_of_segments.err, HasSubstr("give it more segments")) << angle;
+    }
+}
+
 /// 45 degree bend of Bathe and Bolourchi (1979) under 600 lb out of its plane: tip at (15.685, 47.150, 53.475) by a fine own
 /// integration of the rod's equations (torsion constant that of Simo and Vu-Quoc, 2 I), who have (15.79, 47.23, 53.37).
 TEST(Statics, TheBendOfBatheAndBolourchi) {

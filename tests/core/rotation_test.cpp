@@ -62,6 +62,15 @@ TEST(Rotation, HalfATurnGivesOneOfItsTwoVectors) {
 }
 
 // Oracle: central difference of log(exp(ε~) exp(θ~)); its error is O(1e-10).
+// Oracle: J⁻¹ of the same vector, by another formula.
+TEST(Rotation, AngularVelocityIsTheInverseOfTheRateOfTheVector) {
+    const Vector3 axis = Vector3(2, -3, 6) / 7, rate(0.3, 1.1, -0.7);
+    for (const double angle : {0.0, 1e-9, 0.02, 0.0999, 0.1001, 1.0, 3.0, 5.9}) {
+        const Vector3 theta = angle * axis;
+        EXPECT_LT((rotation_vector_rate(theta) * angular_velocity(theta, rate) - rate).norm(), 1e-13) << angle;
+    }
+}
+
 TEST(Rotation, RateIsTheDerivativeOfTheVector) {
     for (double angle : {1e-4, 9e-3, 1.1e-2, 0.7, 2.9}) {
         const Vector3 theta = angle * kAxis;

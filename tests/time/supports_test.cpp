@@ -118,11 +118,11 @@ TEST(Supports, StaticsLeadThemThere) {
     supports.move_to(motions.data());
     supports.form_statics();
     double change[12];
-    ASSERT_TRUE(supports.write_change(change));
+    EXPECT_NEAR(supports.write_change(change).value(), 1.9, 1e-14);
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(change[3 + i], turn(i), 1e-14);
     std::vector<dttmm_motion> out(2);
     supports.move_statics(0.4);
-    supports.write_at(out);
+    supports.write_at_rest(out);
     const Matrix3 expected = Eigen::AngleAxisd(0.4 * 1.9, turn.normalized()).toRotationMatrix();
     EXPECT_LT((Eigen::Map<const RowMajor3>(out[0].rotation) - expected).norm(), 1e-14);
     EXPECT_NEAR(out[1].position[2], -0.3 + 0.4 * 0.05, 1e-15);
@@ -133,6 +133,41 @@ TEST(Supports, StaticsLeadThemThere) {
     supports.recall_statics();
     supports.form_statics();
     EXPECT_TRUE(supports.write_change(change));
+}
+
+// Oracle: about one axis the rotation vector is the angle, and a share of it the same share of the angle, beyond full turns
+// too. Where the axis changes, the first change is the derivative of the frame: differences of exp(θ~) over 1e-6 of it.
+TEST(Supports, StaticsCountFullTurns) {
+    const Described described;
+    Supports supports(described.network());
+    std::vector<dttmm_support_motion> motions(2);
+    const Vector3 axis = Vector3(2, -1, 2) / 3;
+    const auto lead_to = [&](const Vector3& turn) {
+        for (int i = 0; i < 3; ++i) motions[0].rotation[i] = turn(i);
+        supports.move_to(motions.data());
+        supports.form_statics();
+    };
+    const auto rotation = [&] {
+        std::vector<dttmm_motion> out(2);
+        supports.write_at_rest(out);
+        return Matrix3(Eigen::Map<const RowMajor3>(out[0].rotation));
+    };
+    supports.begin_statics();
+    double change[12];
+    lead_to(4 * M_PI * axis);
+    EXPECT_NEAR(supports.write_change(change).value(), 4 * M_PI, 1e-13);
+    supports.move_statics(0.3);
+    EXPECT_LT((rotation() - Eigen::AngleAxisd(1.2 * M_PI, axis).toRotationMatrix()).norm(), 1e-14);
+    supports.form_statics();
+    EXPECT_NEAR(supports.write_change(change).value(), 2.8 * M_PI, 1e-13) << "what is left of it";
+    lead_to(Vector3(3.2, 1.4, -2.9));
+    ASSERT_TRUE(supports.write_change(change));
+    const Matrix3 before = rotation();
+    constexpr double kShare = 1e-6;
+    supports.move_statics(kShare);
+    const Matrix3 by_change = (rotation() - before) * before.transpose() / kShare;
+    const Vector3 turn(by_change(2, 1), by_change(0, 2), by_change(1, 0));
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(change[3 + i], turn(i), 1e-4) << i;
 }
 
 }  // namespace

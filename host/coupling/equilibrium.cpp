@@ -45,6 +45,16 @@ constexpr double kLeastStep = 1.0 / 1024;
 /// s by the largest stiffness over mass: what vibrates 10⁶ times slower than the fastest counts as not held.
 constexpr double kLeastResistance = 1e-12;
 
+/// The rotation vector of R with as many full turns as bring it nearest to another.
+Eigen::Vector3d followed(const Eigen::Matrix3d& R, const Eigen::Vector3d& from) {
+    constexpr double kNoAxis = 1e-6;  // below it rounding makes the axis [rad]
+    const Eigen::AngleAxisd turn(R);
+    const bool has_axis = turn.angle() > kNoAxis || from.norm() < M_PI;
+    const Eigen::Vector3d axis = has_axis ? turn.axis() : from.normalized();
+    const double angle = has_axis ? turn.angle() : 0;
+    return (angle + 2 * M_PI * std::round((axis.dot(from) - angle) / (2 * M_PI))) * axis;
+}
+
 /// What one support may ask for, and all motors in a row [rad].
 double asked_turn(const Model& model, double t0) {
     double of_supports = 0, of_motors = 0;
@@ -76,7 +86,9 @@ Equilibrium::Equilibrium(const Model& model, Networks& networks, Loads& loads)
 
 const RestState& Equilibrium::find(double t0) {
     state_ = {};
-    state_.at = kept_ = states_at_start(model_);
+    state_.at = kept_ = start_ = states_at_start(model_);
+    turned_.assign(start_.size(), Eigen::Vector3d::Zero());
+    kept_turned_ = turned_;
     loads_.start(t0);
     joints_.start(t0);
     networks_.begin_statics();
@@ -92,6 +104,7 @@ const RestState& Equilibrium::find(double t0) {
             step = std::min(2 * step, largest_step);
             networks_.keep_statics();
             kept_ = state_.at;
+            kept_turned_ = turned_;
             joints_.keep();
             const bool is_open = attempt.open.size > kClosed * (attempt.open.is_length ? size_.extent : 1);
             state_.open = is_open ? describe(attempt.open) : "";
@@ -101,6 +114,7 @@ const RestState& Equilibrium::find(double t0) {
         step *= 0.5;
         networks_.recall_statics();
         state_.at = kept_;
+        turned_ = kept_turned_;
         joints_.recall();
         // Without elements there is nothing that a smaller load would bend less: it rests at the same place
         if (step >= kLeastStep * largest_step && !networks_.instances().empty()) continue;
@@ -115,11 +129,20 @@ const RestState& Equilibrium::find(double t0) {
                                 "something that nothing holds, or a load above what the machine can carry?",
                                 model_.path, found, attempt.mover.empty() ? "not known" : attempt.mover));
     }
-    const std::vector<BodyState> start = states_at_start(model_);
-    for (size_t b = 0; b < start.size(); ++b)
-        state_.turn =
-            std::max(state_.turn, Eigen::AngleAxisd(state_.at[b].rotation * start[b].rotation.transpose()).angle());
+    for (const Eigen::Vector3d& turn : turned_) state_.turn = std::max(state_.turn, turn.norm());
+    state_.noise = noise_;
+    state_.is_loaded = is_loaded();
     return state_;
+}
+
+/// Weight of what is between the bodies counts as gravity does.
+bool Equilibrium::is_loaded() const {
+    std::vector<double> loads(wrenches_.size(), 0.0);
+    add_loads(1, state_.at, loads);
+    const auto on_networks = loads_.on_networks().first(6 * (model_.nodes.size() + model_.loads.size()));
+    const auto acts = [](double number) { return number != 0; };
+    return !model_.simulation.gravity.isZero(0) || std::ranges::any_of(loads, acts) ||
+           std::ranges::any_of(on_networks, acts);
 }
 
 std::string Equilibrium::describe(const RestingJoints::Opening& open) const {
@@ -161,9 +184,9 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
             // Where nothing acts, what the least resistance makes of a correction that is rounding is all there is
             const double nothing = least_resistance_ * heaviest() * kNoCorrection * size_.extent;
             const bool is_small = correction.size <= kNoCorrection * size_.extent &&
-                                  state_.residual <= std::max({16 * noise_, kBalance * strongest_, nothing});
+                                  state_.residual <= std::max({RestState::kNoise * noise_, kBalance * strongest_, nothing});
             const bool is_noise = correction.size <= 1e-6 * size_.extent && correction.size >= 0.5 * last &&
-                                  state_.residual <= std::max(16 * noise_, 1e-9 * state_.force);
+                                  state_.residual <= std::max(RestState::kNoise * noise_, 1e-9 * state_.force);
             last = correction.size;
             if (std::exchange(shares_anew_, shares_anew_ && !is_noise && correction.size > kAnew * size_.extent)) continue;
             if (!is_small && !is_noise) continue;
@@ -358,8 +381,10 @@ std::vector<double> Equilibrium::load_stiffness() const {
 
 /// Takes a share of the correction; the largest force that lacks there [N].
 double Equilibrium::lacking(double factor, double share) {
-    for (size_t b = 0; b < state_.at.size(); ++b)
+    for (size_t b = 0; b < state_.at.size(); ++b) {
         state_.at[b] = moved(state_.at[b], share * Eigen::Map<const Vector6>(&change_[6 * b]));
+        turned_[b] = followed(state_.at[b].rotation * start_[b].rotation.transpose(), turned_[b]);
+    }
     joints_.change(share, solution_);
     std::ranges::fill(wrenches_, 0.0);
     const Networks::StaticMeasure inside = networks_.move_static(state_.at, share, wrenches_.data());

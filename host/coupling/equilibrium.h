@@ -22,10 +22,15 @@ struct RestState {
     double residual = 0;        ///< the largest force that lacks [N]
     double force = 0;           ///< the largest of an element, load or weight [N]
     std::string open;           ///< a joint that is open by more than rounding, and how far; empty: none
-    double turn = 0;            ///< the largest rotation of a body from its place in the assembled machine [rad]
+    double turn = 0;        ///< the largest rotation of a body on its way from the assembled machine, full turns too [rad]
+    bool is_loaded = true;  ///< by weight or a load
+    double noise = 0;       ///< what of a force may be rounding of places [N]
 
+    /// Whether there are forces: without loads those within rounding are none.
+    bool has_forces() const { return force > (is_loaded ? 0 : kNoise * noise); }
     /// What lacks, as share of the largest force. Rounding of places by the largest stiffness is a force too.
-    double unbalanced() const { return force > 0 ? residual / force : 0; }
+    double unbalanced() const { return has_forces() ? residual / force : 0; }
+    static constexpr double kNoise = 16;  ///< times `noise`: that of one element; some come together at a body
 };
 
 /// Finds where a machine rests under its weight and its loads as they are at t0: forces and moments balance on all bodies
@@ -79,6 +84,7 @@ private:
     void add_loads(double factor, const std::vector<BodyState>& at, std::vector<double>& wrenches) const;
     void add_load_stiffness(double factor, Triplets& entries) const;
     bool has_same_pattern() const;
+    bool is_loaded() const;
     double lacking(double factor, double share);
     double reach(size_t body) const { return size_.reach[body]; }
     /// Added to the inertia of a body in the resistance [kg m²]. The motion of a chain follows from how its links turn. By
@@ -93,7 +99,8 @@ private:
     MachineSize size_;
 
     RestState state_;
-    std::vector<BodyState> kept_;
+    std::vector<BodyState> start_, kept_;
+    std::vector<Eigen::Vector3d> turned_, kept_turned_;  ///< of every body: rotation vector from the start, full turns too
     std::vector<double> wrenches_;
     Eigen::VectorXd right_hand_side_, solution_;
     std::vector<double> change_;                    ///< 6 per body

@@ -228,6 +228,32 @@ TEST(Statics, MotorsCountTheirFullTurns) {
     }
 }
 
+TEST(Statics, TheTurnOfABodyIsToldWithItsFullTurns) {
+    EXPECT_THAT(rest_of(twisted_by_motor("", 4.5)).told, HasSubstr("a body has turned by 4.5 rad"));
+    EXPECT_THAT(rest_of(twisted_by_motor("", -11.9)).told, HasSubstr("a body has turned by 11.9 rad"));
+}
+
+// A support takes a bar along as a rigid body: no forces, so that none are known badly. A load makes some.
+TEST(Statics, WithoutLoadsRoundingIsNotWarnedOf) {
+    for (const bool is_loaded : {false, true}) {
+        const AtRest rest =
+            rest_of(fmt::format(R"(format = "dttmm/1"
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"], motion = {{ rx = 1.0, ry = -0.7, rz = 2.0, x = 0.3 }} }}
+b = [1, 0.2, 0.1]
+[[element]]
+name = "bar"
+type = "beam"
+from = "a"
+to = "b"
+section = {{ circle = 0.02 }}
+material = {{ E = 210e9, poisson = 0.3, density = 7850 }}
+{})",
+                                is_loaded ? "[[load]]\non = \"b\"\ndirection = [1, 0, 0]\nforce = 1e-3\n" : ""));
+        EXPECT_EQ(rest.told.find("the forces balance to") != std::string::npos, is_loaded) << rest.told;
+    }
+}
+
 /// Half a turn is more than the rotation vector of one spring can tell: see plugin/README.md.
 TEST(Statics, WhatTurnsASpringTooFarIsRefused) {
     for (const double angle : {2.7, 3.5, 6.2, 12.9}) {

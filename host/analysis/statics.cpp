@@ -488,6 +488,7 @@ void write_summary(JsonWriter& json, const Results& results, const Model& model,
     const auto describe = [&](const Found& found, const auto& member) {
         member("iterations", found.rest.iterations);
         member("load_steps", found.rest.load_steps);
+        if (found.rest.path_ends_at) member("load_path_ends_at", *found.rest.path_ends_at);
         member("largest_force_n", found.rest.force);
         member("largest_unbalanced_force_n", found.rest.residual);
         if (found.growing) member("growing_motions", *found.growing);
@@ -557,6 +558,12 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
         warnings.note("moved-far", fmt::format("{}a body has turned by {:.3g} rad: there may be other equilibria; this is "
                                                "the one reached from the assembled machine",
                                                place, found.rest.turn));
+    if (found.rest.path_ends_at)
+        warnings.note(
+            "load-path-ends",
+            fmt::format("{}as the loads grow from zero the machine becomes unstable at {:.3g} of them and moves on to "
+                        "another equilibrium; this is one under the full loads, and there may be others",
+                        place, *found.rest.path_ends_at));
     if (!found.rest.open.empty())
         warnings.add("joint-open", fmt::format("{}{} where the machine rests: joints do not quite agree with each other",
                                                place, found.rest.open));

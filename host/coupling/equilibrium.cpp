@@ -85,13 +85,48 @@ Equilibrium::Equilibrium(const Model& model, Networks& networks, Loads& loads)
 // ---- The load in steps --------------------------------------------------------------------------------------------------
 
 const RestState& Equilibrium::find(double t0) {
+    begin(t0);
+    raise_load(t0, Uphill::is_passed);
+    if (went_uphill_) {
+        const std::optional<double> end = end_of_path(t0);
+        begin(t0);
+        raise_load(t0, Uphill::is_passed);
+        state_.path_ends_at = end;
+    }
+    for (const Eigen::Vector3d& turn : turned_) state_.turn = std::max(state_.turn, turn.norm());
+    state_.noise = noise_;
+    state_.is_loaded = is_loaded();
+    return state_;
+}
+
+/// Back to the assembled machine.
+void Equilibrium::begin(double t0) {
     state_ = {};
     state_.at = kept_ = start_ = states_at_start(model_);
     turned_.assign(start_.size(), Eigen::Vector3d::Zero());
     kept_turned_ = turned_;
+    stiffest_ = resistance_ = 0;
+    went_uphill_ = false;
     loads_.start(t0);
     joints_.start(t0);
     networks_.begin_statics();
+}
+
+/// None: from the assembled machine it leads nowhere, or to the full load.
+std::optional<double> Equilibrium::end_of_path(double t0) {
+    begin(t0);
+    double share = 0;
+    try {
+        share = raise_load(t0, Uphill::ends);
+    } catch (const Error& error) {  // of a spring that turns too far elsewhere
+        if (error.code() != ExitCode::numerical_failure) throw;
+    }
+    return share > 0 && share < 1 ? std::optional(share) : std::nullopt;
+}
+
+/// From zero; the share that was reached. Throws where that is not the whole, unless it ends uphill.
+double Equilibrium::raise_load(double t0, Uphill uphill) {
+    uphill_ = uphill;
     const double asked = asked_turn(model_, t0), largest_step = asked > kMostAskedTurn ? kMostAskedTurn / asked : 1;
     double done = 0, step = largest_step;
     RestingJoints::Opening widest;
@@ -118,6 +153,7 @@ const RestState& Equilibrium::find(double t0) {
         joints_.recall();
         // Without elements there is nothing that a smaller load would bend less: it rests at the same place
         if (step >= kLeastStep * largest_step && !networks_.instances().empty()) continue;
+        if (uphill == Uphill::ends) return done;
         const std::string found = done > 0 ? fmt::format(", but one under {:.4g} of them", done) : "";
         if (widest.share > kContradiction)
             throw Error(ExitCode::numerical_failure,
@@ -129,10 +165,7 @@ const RestState& Equilibrium::find(double t0) {
                                 "something that nothing holds, or a load above what the machine can carry?",
                                 model_.path, found, attempt.mover.empty() ? "not known" : attempt.mover));
     }
-    for (const Eigen::Vector3d& turn : turned_) state_.turn = std::max(state_.turn, turn.norm());
-    state_.noise = noise_;
-    state_.is_loaded = is_loaded();
-    return state_;
+    return done;
 }
 
 /// Weight of what is between the bodies counts as gravity does.
@@ -220,6 +253,8 @@ Equilibrium::Correction Equilibrium::correct(double factor) {
         const double excess = std::max(correction.turn / kMostTurn, correction.size / farthest_);
         if (!std::isfinite(excess)) break;
         if (correction.work < -correction.rounding) {
+            went_uphill_ = true;
+            if (uphill_ == Uphill::ends) break;
             resistance_ *= kUphill;
         } else if (excess <= 1) {
             return correction;

@@ -3,6 +3,7 @@
 
 #include <Eigen/SparseCore>
 #include <Eigen/SparseLU>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,7 +23,10 @@ struct RestState {
     double residual = 0;        ///< the largest force that lacks [N]
     double force = 0;           ///< the largest of an element, load or weight [N]
     std::string open;           ///< a joint that is open by more than rounding, and how far; empty: none
-    double turn = 0;        ///< the largest rotation of a body on its way from the assembled machine, full turns too [rad]
+    double turn = 0;  ///< the largest rotation of a body on its way from the assembled machine, full turns too [rad]
+    /// The share of the load up to which the machine follows it as it grows from zero, if it then leaves an equilibrium that
+    /// is no longer stable; to 1/1024.
+    std::optional<double> path_ends_at = std::nullopt;
     bool is_loaded = true;  ///< by weight or a load
     double noise = 0;       ///< what of a force may be rounding of places [N]
 
@@ -73,6 +77,10 @@ private:
         double rounding = 0;  ///< of the work [J]
         double share = 1;     ///< to be taken of it
     };
+    enum class Uphill { is_passed, ends };  ///< places where the stiffness is not positive
+    void begin(double t0);
+    double raise_load(double t0, Uphill uphill);
+    std::optional<double> end_of_path(double t0);
     std::string describe(const RestingJoints::Opening& open) const;
     double heaviest() const;
     Attempt iterate(double factor);
@@ -110,6 +118,8 @@ private:
     double resistance_ = 0, least_resistance_ = 0, stiffest_ = 0;
     double farthest_ = 0;  ///< that one correction may move something [m]
     double noise_ = 0;
+    Uphill uphill_ = Uphill::is_passed;
+    bool went_uphill_ = false;
     double strongest_ = 0;  ///< of all forces, those of joints included [N]
 };
 

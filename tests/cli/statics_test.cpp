@@ -959,6 +959,59 @@ force = {:.17g}
 }
 
 // Oracle: a case by a name that no case has is refused with the nearest name, before anything is found.
+// Oracle: two springs k = 1e4 N/m as a flat roof of height z = 0.1 m and half span b = 1 m carry 2 k z (l₀/l − 1), at most
+// 3.8299 N: 2 k (l₀^⅔ − b^⅔)^(3/2).
+TEST(Statics, SnappingThroughIsTold) {
+    const auto roof = [](double force) {
+        return rest_of(fmt::format(R"(format = "dttmm/1"
+[nodes]
+a = {{ position = [-1, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+c = {{ position = [1, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+[[body]]
+name = "ridge"
+mass = 1
+inertia = [0.1, 0.1, 0.1]
+position = [0, 0, 0.1]
+[[joint]]
+name = "guide"
+type = "slider"
+between = ["ground", "ridge"]
+axis = [0, 0, 1]
+[[element]]
+name = "left"
+type = "axial_spring"
+from = "a"
+to = "ridge"
+stiffness = 10000
+[[element]]
+name = "right"
+type = "axial_spring"
+from = "c"
+to = "ridge"
+stiffness = 10000
+[[load]]
+on = "ridge"
+direction = [0, 0, -1]
+force = {}
+)",
+                                   force));
+    };
+    const double l0 = std::sqrt(1.01), limit = 2e4 * std::pow(std::cbrt(l0 * l0) - 1, 1.5);
+    EXPECT_NEAR(limit, 3.8299, 1e-4);
+    for (const double force : {3.9, 5.0}) {
+        AtRest rest = roof(force);
+        EXPECT_LT(rest.row["ridge.position.z"], -0.1);
+        EXPECT_NEAR(rest.summary["load_path_ends_at"].get<double>(), limit / force, 2.0 / 1024) << force;
+        EXPECT_THAT(rest.told, HasSubstr(fmt::format("becomes unstable at {:.2g}", limit / force - 1e-3)));
+        EXPECT_EQ(rest.summary["load_steps"], 1) << "the equilibrium is that of the first search";
+    }
+    for (const double force : {1.0, 3.7, 3.8}) {
+        AtRest rest = roof(force);
+        EXPECT_GT(rest.row["ridge.position.z"], 0);
+        EXPECT_FALSE(rest.summary.contains("load_path_ends_at")) << force;
+    }
+}
+
 TEST(Statics, ACaseThatDoesNotExistIsRefused) {
     const TemporaryFolder folder;
     write_text(folder / "m.toml",

@@ -37,8 +37,8 @@ double least_bending(const Section& section) {
 
 }  // namespace
 
-LineForces::LineForces(std::vector<Vector3> points, std::vector<Vector6> forces, const Vector6& turning)
-    : points_(std::move(points)), forces_(std::move(forces)), turning_(turning) {}
+LineForces::LineForces(std::vector<Vector3> points, std::vector<Vector6> forces, const Vector6& turning, double factor)
+    : points_(std::move(points)), forces_(std::move(forces)), turning_(turning), factor_(factor) {}
 
 std::pair<size_t, double> LineForces::place(double share) const {
     const double at = share * segments();
@@ -117,7 +117,8 @@ Matrix12 LineForces::stiffness(const Piece& piece, const Section& section, const
     const Vector3 e = Vector3::UnitX(), rigidities(section.GJ, section.EIy, section.EIz);
     const Matrix6 to_local = both(piece.axes.transpose());
     const auto curvature_at = [&](double share) {
-        return Vector3((piece.axes.transpose() * at(share).tail<3>()).cwiseQuotient(rigidities));
+        if (factor_ == 0) return Vector3(Vector3::Zero());
+        return Vector3((piece.axes.transpose() * at(share).tail<3>()).cwiseQuotient(factor_ * rigidities));
     };
     // Curvature and twist are linear along the piece; its ends lie on the axis, its middle has the axes of the piece
     const Vector3 a = curvature_at(piece.from), b = curvature_at(piece.to);

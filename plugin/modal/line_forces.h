@@ -27,8 +27,9 @@ struct LineShapes {
 class LineForces {
 public:
     /// points: from its start to its end, one more than segments [m]. turning: of the loads that turn with it, their force
-    /// per length at its start and at its end, its own axes, between which they are linear.
-    LineForces(std::vector<Vector3> points, std::vector<Vector6> forces, const Vector6& turning);
+    /// per length at its start and at its end, its own axes, between which they are linear. factor: so many times the forces
+    /// that have bent it.
+    LineForces(std::vector<Vector3> points, std::vector<Vector6> forces, const Vector6& turning, double factor = 1);
 
     int segments() const { return as_int(points_.size()) - 1; }
     /// Along its points [m].
@@ -69,6 +70,7 @@ private:
     std::vector<Vector3> points_;
     std::vector<Vector6> forces_;
     Vector6 turning_;
+    double factor_;
 };
 
 }  // namespace dttmm::plugin

@@ -265,7 +265,7 @@ LineWaves::Waves<Scalar> LineWaves::waves(const Group& group, double start, doub
     S.bottomLeftCorner(n, n) = -lambda * M.template cast<Scalar>() + G_at(middle).template cast<Scalar>();
     S.bottomRightCorner(n, n) = minus_At(A).template cast<Scalar>();
     by_lambda.bottomLeftCorner(n, n) = -M.template cast<Scalar>();
-    if (is_graded()) {
+    if (is_graded() && !group.G_by_N.isZero(0)) {
         const double first = axial_at(start), last = axial_at(start + s);
         const Matrix rise = A_at(last) - A_at(first), first_G = G_at(first), last_G = G_at(last);
         // Of G, a parabola, the mean
@@ -316,16 +316,21 @@ double LineWaves::longest_held(const Group& group, double lambda) const {
     return M_PI * std::sqrt(least);
 }
 
+double LineWaves::longest_held(double lambda) const {
+    double longest = std::numeric_limits<double>::infinity();
+    for (const Group& group : groups_) longest = std::min(longest, longest_held(group, lambda));
+    return longest;
+}
+
 int LineWaves::pieces(double omega, int most) const {
     // Share of λ: at the frequency of a held bar its stiffness is infinite, with 2 it is -1.7 times that at rest. With 1.05
     // to 4, 59 random machines, the hydroplane and the headstock have the same frequencies to 3e-10, in the same time.
     constexpr double kMargin = 2;
     // An axial force that varies by v EI/length² leaves at most 0.0055 v/count⁴ of a frequency: cantilevers and bars between
     // pins, v = 0.1 to 900, in 1 to 16 pieces.
-    constexpr double kGraded = 0.0055 / 1e-7;
-    double count = 1;
+    constexpr double kGraded = 0.0055 / 1e-6;
+    double count = std::max(1.0, std::ceil(length_ / longest_held(kMargin * omega * omega)));
     for (const Group& group : groups_) {
-        count = std::max(count, std::ceil(length_ / longest_held(group, kMargin * omega * omega)));
         for (size_t k = 0; k < group.directions.size(); ++k)
             if (group.directions[k] > 3) {
                 const double varies = std::abs(axial_[1] - axial_[0]) * length_ * length_ * group.C(as_row(k));

@@ -22,6 +22,13 @@ namespace {
 /// beam, 0.2/n² to 0.4/n².
 constexpr double kStraight = 3;
 
+/// Segments stand for arcs of the curvature κ that moments make, and turn by κ times their length in the joints between
+/// them. The axis passes κ h²/8 beside such a joint, local axes. factor: so many times the forces that have bent it.
+Vector3 beside_joint(const Vector6& forces, double step, const Section& section, double factor) {
+    if (factor == 0) return Vector3::Zero();
+    return step * step / (8 * factor) * Vector3(0, forces(5) / section.EIz, -forces(4) / section.EIy);
+}
+
 }  // namespace
 
 void RestingParts::find_lines() {
@@ -53,13 +60,9 @@ void RestingParts::find_lines() {
                 own.at_from = both(own.axes.transpose()) * forces;
             } else {
                 if (k + 1 < links.size()) {
-                    // Between segments that stand for arcs of a curvature κ the axis passes κ h²/8 beside the joint
-                    const Vector6 own_axes = both(pose.axes.transpose()) * forces;
-                    const double h = (line.finish - line.start).norm() / static_cast<double>(links.size() - 1);
-                    const Section& section = line.line.section;
-                    move_to(point + h * h / 8 *
-                                        (pose.axes.col(1) * own_axes(5) / section.EIz -
-                                         pose.axes.col(2) * own_axes(4) / section.EIy));
+                    const Vector6 local = both(pose.axes.transpose()) * forces;
+                    const double step = (line.finish - line.start).norm() / static_cast<double>(links.size() - 1);
+                    move_to(point + pose.axes * beside_joint(local, step, line.line.section, description_.rest->factor));
                 } else {
                     move_to(links[k].to.point(line.finish));
                     own.turned = rotation_vector(Matrix3(own.axes.transpose() * joint.seat().axes_at_to(FrameView(at_to))));
@@ -79,7 +82,7 @@ void RestingParts::find_lines() {
 LineForces RestingParts::forces_of(const LineSpec& line) const {
     const FrequencyModel::RestingLine& own = model_.resting[as_size(line.element)];
     LineForces forces(own.points, own.forces, Vector6::Zero());
-    return {own.points, own.forces, own.turning / forces.length()};
+    return {own.points, own.forces, own.turning / forces.length(), description_.rest->factor};
 }
 
 /// Of the loads along a line that turn with it: force per length at its start and at its end, at the start of time.

@@ -12,7 +12,7 @@ namespace {
 
 /// Of the entries of a piece's stiffness.
 constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
-/// Stations of a piece, which is half a wave at most.
+/// Stations of a piece that is half a wave at most.
 constexpr int kStations = 8;
 
 /// The strain energy V of a piece by the motion of its ends, local axes: uᵀ D u = 2 (V − λ T') and uᵀ (−∂D/∂λ) u = 2 T'.
@@ -138,17 +138,24 @@ std::vector<Station> stations(const DynamicStiffness& D, const FrameVector& u) {
     std::vector<Station> list;
     for (size_t b = 0; b < model.centres.size(); ++b) list.push_back({model.centres[b], model.by_centre(as_int(b)) * u[b]});
     for (size_t n = 0; n < model.nodes.size(); ++n) list.push_back({model.nodes[n].position, model.node_motion(n, u)});
-    std::vector<std::vector<Matrix12>> transfers(D.slot_count());  // from the start to each station
+    std::vector<std::vector<Matrix12>> transfers(D.slot_count());  // from station to station
     for (const DynamicStiffness::Piece& piece : D.pieces()) {
         const LineModel& line = D.line(piece);
-        const double step = D.piece_length(line) / kStations;
+        const LineWaves& waves = *line.waves;
+        const double length = D.piece_length(line);
+        // Pieces that an axial force makes short need fewer
+        const int count =
+            waves.is_graded()
+                ? std::clamp(static_cast<int>(kStations * length / waves.longest_held(D.lambda())) + 1, 1, kStations)
+                : kStations;
+        const double step = length / count;
         std::vector<Matrix12>& to = transfers[D.slot(piece)];
-        for (int k = as_int(to.size()) + 1; k <= kStations; ++k)
-            to.push_back(line.waves->transfer(D.lambda(), k * step, piece.index * D.piece_length(line)));
-        const Vector12 start = state_at_start(D, piece, u);
-        for (int k = 1; k <= kStations; ++k) {
-            const Vector12 state = to[as_size(k - 1)] * start;
-            const double s = (piece.index * kStations + k) * step;
+        for (int k = as_int(to.size()); k < (waves.is_graded() ? count : 1); ++k)
+            to.push_back(waves.transfer(D.lambda(), step, piece.index * length + k * step));
+        Vector12 state = state_at_start(D, piece, u);
+        for (int k = 1; k <= count; ++k) {
+            state = (to[waves.is_graded() ? as_size(k - 1) : 0] * state).eval();
+            const double s = (piece.index * count + k) * step;
             list.push_back({line.start + s * line.axes.col(0), both(line.axes) * state.head<6>()});
         }
     }

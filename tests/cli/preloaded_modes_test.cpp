@@ -659,5 +659,121 @@ TEST(PreloadedModes, ABeamBetweenTwoPointsOfOneRigidBody) {
     EXPECT_EQ(rest_of(bow_at_rest(false)).told.find("stable"), std::string::npos);
 }
 
+/// Natural frequencies of a rope of 3.7 m and 0.8 kg/m that hangs along an oblique gravity, with a bob or without.
+std::vector<double> frequencies_of_rope(double bob, int segments, int count) {
+    const std::string mass =
+        bob > 0 ? fmt::format("[[element]]\nname = \"bob\"\ntype = \"point_mass\"\nat = \"free\"\nmass = {}\n", bob) : "";
+    return frequencies_of(modes_of(fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [3.27, -6.54, -6.54]
+[nodes]
+top = {{ position = [0.4, 0.1, -0.3], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+free = [{:.17g}, {:.17g}, {:.17g}]
+[[element]]
+name = "rope"
+type = "beam"
+from = "top"
+to = "free"
+segments = {}
+theory = "euler-bernoulli"
+section = {{ EA = 1e9, EIy = 1e-4, EIz = 1e-4, GJ = 1e-3, mass = 0.8, inertia = 1e-7 }}
+{})",
+                                               0.4 + 3.7 / 3, 0.1 - 7.4 / 3, -0.3 - 7.4 / 3, segments, mass),
+                                   {"--count", fmt::format("{}", count)}));
+}
+
+// Oracle: of a string that hangs, z above the place where its tension would be zero, u = A J0(2 ω √(z/g)) + B Y0(2 ω
+// √(z/g)); fixed at its top, with u' = −ω² u/g at the bob, without one the zeros of J0. Both planes are alike. The clamp at
+// the top makes the rope shorter by √(EI/N), which is 2e-3 m/3.7 m.
+TEST(PreloadedModes, ARopeThatHangsUnderItsOwnWeight) {
+    constexpr double kLength = 3.7, kMass = 0.8, kGravity = 9.81;
+    for (const double bob : {0., 1.3}) {
+        const double low = bob / kMass, high = low + kLength;
+        const auto lacks = [&](double omega) {
+            const auto argument = [&](double z) { return 2 * omega * std::sqrt(z / kGravity); };
+            const double top = argument(high);
+            if (bob == 0) return std::cyl_bessel_j(0, top);
+            // u' = (−A J1 − B Y1) ω/√(g z)
+            const double x = argument(low), by_z = omega / std::sqrt(kGravity * low);
+            const auto at_bob = [&](double value, double first) { return -first * by_z + omega * omega / kGravity * value; };
+            return std::cyl_bessel_j(0, top) * at_bob(std::cyl_neumann(0, x), std::cyl_neumann(1, x)) -
+                   std::cyl_neumann(0, top) * at_bob(std::cyl_bessel_j(0, x), std::cyl_bessel_j(1, x));
+        };
+        std::vector<double> expected;
+        for (double omega = 0.5; expected.size() < 4; omega += 0.01)
+            if (lacks(omega) * lacks(omega + 0.01) < 0) {
+                double below = omega, above = omega + 0.01;
+                for (int k = 0; k < 60; ++k) {
+                    const double middle = 0.5 * (below + above);
+                    (lacks(below) * lacks(middle) > 0 ? below : above) = middle;
+                }
+                expected.push_back(below / (2 * M_PI));
+            }
+        for (const int segments : {5, 10, 40}) {
+            const std::vector<double> found = frequencies_of_rope(bob, segments, 8);
+            for (size_t k = 0; k < 8; ++k)
+                EXPECT_NEAR(found.at(k), expected[k / 2], 6e-4 * expected[k / 2]) << bob << ": " << k;
+        }
+    }
+}
+
+// Oracle: finer lumps, extrapolated. A body beside the axis of a light cantilever bends and twists it by 0.05 of its radius
+// of gyration: its curvature couples bending with torsion.
+TEST(PreloadedModes, ABeamThatALoadBesideItsAxisBends) {
+    const auto frequencies = [](int segments, const char* beams) {
+        return frequencies_of(modes_of(fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 45, -60]
+[nodes]
+w = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+[[body]]
+name = "b"
+mass = 0.5
+inertia = [0.002, 0.003, 0.0025]
+position = [0.6, 0.06, 0.08]
+markers = {{ p = [0, -0.06, -0.08] }}
+[[element]]
+name = "e"
+type = "beam"
+from = "w"
+to = "b.p"
+segments = {}
+theory = "euler-bernoulli"
+up = [0, -3, 4]
+section = {{ EA = 6e5, EIy = 800, EIz = 120, GJ = 100, mass = 1e-8, inertia = 1e-11 }}
+)",
+                                                   segments),
+                                       {"--count", "6", "--beams", beams}));
+    };
+    const std::vector<double> coarse = frequencies(40, "lumped"), fine = frequencies(80, "lumped");
+    const std::vector<double> five = frequencies(5, "exact"), ten = frequencies(10, "exact");
+    for (size_t k = 0; k < 6; ++k) {
+        const double expected = (4 * fine.at(k) - coarse.at(k)) / 3;
+        EXPECT_NEAR(ten.at(k), expected, 2e-6 * expected) << k;
+        EXPECT_NEAR(five.at(k), expected, 8e-6 * expected) << k;
+    }
+}
+
+// Oracle: the girder without its load, whose bend is 1e-5 of its frequencies. By ten lumps the eighth is 9 % lower.
+TEST(PreloadedModes, AGirderUnderItsOwnWeightIsNotLumps) {
+    const std::string girder = R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[nodes]
+a = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "rz"] }
+b = { position = [6, 0, 0], fixed = ["y", "z", "rx", "rz"] }
+[[element]]
+name = "girder"
+type = "beam"
+from = "a"
+to = "b"
+section = { tube = ["120 mm", "100 mm"] }
+material = { E = "210 GPa", poisson = 0.3, density = 7850 }
+)";
+    const std::vector<double> bent = frequencies_of(modes_of(girder, {"--count", "8"})),
+                              straight = frequencies_of(modes_of(girder, {"--count", "8", "--about", "start"}));
+    for (size_t k = 0; k < 8; ++k) EXPECT_NEAR(bent.at(k), straight.at(k), 2e-4 * straight.at(k)) << k;
+}
+
 }  // namespace
 }  // namespace dttmm::host

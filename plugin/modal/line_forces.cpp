@@ -99,7 +99,7 @@ int LineForces::pieces(const Section& section) const {
     const double bending = least_bending(section), length = this->length(), axial = mean_force().dot(chord),
                  along = M_PI * M_PI * bending / (length * length) + std::abs(axial),
                  across = bending * std::min(section.GJ, bending) / (length * length);
-    double varies = 0, bends = 0;
+    double varies = std::max(turning_.head<3>().norm(), turning_.tail<3>().norm()) * length / along, bends = 0;
     for (size_t k = 0; k < forces_.size(); ++k) {
         const Vector6& station = forces_[k];
         const double share = static_cast<double>(k) / segments();

@@ -26,7 +26,8 @@ constexpr double kStraight = 3;
 /// them. The axis passes κ h²/8 beside such a joint, local axes. factor: so many times the forces that have bent it.
 Vector3 beside_joint(const Vector6& forces, double step, const Section& section, double factor) {
     if (factor == 0) return Vector3::Zero();
-    return step * step / (8 * factor) * Vector3(0, forces(5) / section.EIz, -forces(4) / section.EIy);
+    const auto curvature = [&](double moment, double bending) { return is_given(bending) ? moment / bending : 0; };
+    return step * step / (8 * factor) * Vector3(0, curvature(forces(5), section.EIz), -curvature(forces(4), section.EIy));
 }
 
 }  // namespace

@@ -55,6 +55,8 @@ std::string describe_lowest(const Model& model, const Plugins& plugins, Warnings
     if (const uint32_t free = count_free(machine); free > FreeMotions::kMostQuick)
         return fmt::format("natural frequencies not looked for, as {}", FreeMotions{free, {}, false}.text());
     const std::vector<ModalInstance::Mode> modes = machine.find_modes();
+    if (!modes.empty() && modes.front().numbers.frequency < 0 && !machine.nonconservative().empty())
+        return undecided("a motion grows");
     if (!modes.empty() && modes.front().numbers.frequency < 0)
         return fmt::format("it does not rest there for long: a motion grows by a factor of e in {:.4g} s",
                            -1 / (2 * M_PI * modes.front().numbers.frequency));

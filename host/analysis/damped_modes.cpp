@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/modal_session.h"
 #include "model/index.h"
 #include "record/csv_table.h"
 
@@ -51,11 +52,16 @@ DampedModes find_damped_modes(ModalMachine& machine, double below, Warnings& war
         warnings.add("damped-not-proved",
                      "the damped modes are not proved to be all and right: Newton's method would still change some by more "
                      "than 1e-8 of themselves (`correction` in damped.csv), or led two to one");
-    for (const ModalInstance::Damped& mode : damped.modes)
-        if (grows(mode))
-            warnings.add("damped-mode-grows", fmt::format("the motion with {:.6g} Hz grows as exp({:.4g} t): the machine is "
-                                                          "not stable",
-                                                          mode.s.imag() / kTurn, mode.s.real()));
+    const bool is_decided = machine.nonconservative().empty();
+    for (const ModalInstance::Damped& mode : damped.modes) {
+        if (!grows(mode)) continue;
+        const std::string how =
+            fmt::format("the motion with {:.6g} Hz grows as exp({:.4g} t)", mode.s.imag() / kTurn, mode.s.real());
+        if (is_decided)
+            warnings.add("damped-mode-grows", how + ": the machine is not stable");
+        else
+            warnings.add("stability-undecided", undecided(how));
+    }
     return damped;
 }
 

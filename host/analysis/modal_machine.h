@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coupling/modal_description.h"
+#include "coupling/nonconservative.h"
 #include "loader/modal_instance.h"
 
 namespace dttmm::host {
@@ -91,6 +92,9 @@ public:
     double bent_at_rest(size_t element, bool& is_lumped) const {
         return instance_.bent_at_rest(static_cast<uint32_t>(element), is_lumped);
     }
+
+    /// Indices of loads that act at rest and have no potential.
+    std::vector<size_t> nonconservative() const { return find_nonconservative(model_, description_); }
 
     std::string layout() { return instance_.layout(); }
     dttmm_overall overall(double frequency) { return instance_.overall(frequency); }

@@ -120,20 +120,8 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
             warnings.note("load-not-in-modes",
                           fmt::format("{}: this lasting load is zero at the start: its stiffness is not in the frequencies",
                                       load.place));
-        if (load.turns && acts_at_start(load))
-            warnings.add(
-                "follower-load",
-                fmt::format(
-                    "{}: this load turns with its part of the machine and has no potential: only the symmetric part of "
-                    "what its turning does is in the frequencies; whether it makes motions grow (flutter) "
-                    "is not looked at: a run shows it",
-                    load.place));
-        if (load.is_moment && acts_at_start(load))
-            warnings.note("moment-load",
-                          fmt::format("{}: this moment keeps its direction and has no potential where its point can turn "
-                                      "about other axes: only the symmetric part of what it does then is in the frequencies",
-                                      load.place));
     }
+    warn_nonconservative(model, machine, warnings);
     if (machine.rest()) warn_unbalanced(*machine.rest(), "", warnings);
     for (const RestLimit& limit : machine.limits_at_rest())
         if (limit.most > 1) warn_limit(limit.channel, limit.element, limit.most, "at rest", warnings);
@@ -212,6 +200,31 @@ void warn_unbalanced(const RestState& rest, const std::string& place, Warnings& 
                     "makes such forces in the stiffest parts. Forces, and what follows from them, are known no "
                     "better. Larger loads help, or rigid parts in place of the stiffest",
                     place, rest.residual, rest.force));
+}
+
+void warn_nonconservative(const Model& model, const ModalMachine& machine, Warnings& warnings) {
+    constexpr const char* kOfSymmetricPart =
+        "only the symmetric part of its stiffness counts. Frequencies and the number of motions that grow are those of that "
+        "part: they do not decide whether the machine is stable (it may flutter). A run shows it";
+    for (const size_t i : machine.nonconservative()) {
+        const Load& load = model.loads[i];
+        if (load.turns)
+            warnings.add("follower-load",
+                         fmt::format("{}: this load turns with its part of the machine and has no potential: {}", load.place,
+                                     kOfSymmetricPart));
+        else
+            warnings.note("moment-load",
+                          fmt::format("{}: this moment keeps its direction, its point can turn about other axes, and it has "
+                                      "no potential there: {}",
+                                      load.place, kOfSymmetricPart));
+    }
+}
+
+std::string undecided(const std::string& what_grows) {
+    return fmt::format(
+        "it is not decided whether the equilibrium is stable: {} with the symmetric part of the stiffness of "
+        "loads, but a load has no potential. A run shows what grows",
+        what_grows);
 }
 
 void note_damping(const Model& model, Warnings& warnings) {

@@ -17,6 +17,12 @@ void warn_preload(const Model& model, Warnings& warnings);
 /// Warns where the forces of a machine at rest balance worse than results have digits. place: its case, before the text.
 void warn_unbalanced(const RestState& rest, const std::string& place, Warnings& warnings);
 
+/// Warns of loads at rest that have no potential: what is known of stability is that of a symmetric part.
+void warn_nonconservative(const Model& model, const ModalMachine& machine, Warnings& warnings);
+
+/// What motions that grow say in a machine under such loads, of "1 motion grows" in the symmetric part.
+std::string undecided(const std::string& what_grows);
+
 /// What [damping] does not damp.
 void note_damping(const Model& model, Warnings& warnings);
 /// Of damping that belongs to no element, for commands that show forces of elements.

@@ -58,6 +58,13 @@ Vector6 participation_of(const std::vector<Mode>& modes) {
     return sum;
 }
 
+/// Their places in the file.
+Json places_of_nonconservative(const Model& model, const ModalMachine& machine) {
+    Json places = Json::array();
+    for (const size_t i : machine.nonconservative()) places.push_back(model.loads[i].place);
+    return places;
+}
+
 Json describe(const Model& model, const ModalMachine& machine, const std::vector<Mode>& modes,
               const std::vector<ModeEnergies>& energies, const Warnings& warnings) {
     Json frequencies = Json::array(), list = Json::array();
@@ -94,6 +101,7 @@ Json describe(const Model& model, const ModalMachine& machine, const std::vector
             {"title", model.title},
             {"warnings", describe_warnings(warnings)},
             {"beams", model.modes.are_beams_lumped ? "lumped" : "exact"},
+            {"loads_without_potential", places_of_nonconservative(model, machine)},
             {"frequencies_hz", frequencies},
             {"effective_mass_totals", totals},
             {"modes", list}};
@@ -164,6 +172,13 @@ void print_modes(const Model& model, const ModalMachine& machine, const std::vec
     }
 }
 
+/// A negative frequency says nothing certain where a load has no potential.
+void warn_undecided(const ModalMachine& machine, const std::vector<Mode>& modes, Warnings& warnings) {
+    const auto growing = std::ranges::count_if(modes, [](const Mode& mode) { return mode.numbers.frequency < 0; });
+    if (growing > 0 && !machine.nonconservative().empty())
+        warnings.add("stability-undecided", undecided(counted(as_size(growing), "motion grows", "motions grow")));
+}
+
 /// Where they are asked for.
 std::optional<DampedModes> damped_of(const Request& request, const Plugins& plugins, const Model& model,
                                      ModalMachine& machine, const std::vector<Mode>& modes, Warnings& warnings) {
@@ -194,6 +209,7 @@ ExitCode find_modes(const Request& request) {
     ModalMachine& machine = session.machine;
     if (request.modes.is_verbose) fmt::print(request.modes.as_json ? stderr : stdout, "{}", machine.layout());
     const std::vector<Mode> modes = session.find_modes();
+    warn_undecided(machine, modes, warnings);
 
     std::vector<ModeEnergies> energies;
     for (const Mode& mode : modes)

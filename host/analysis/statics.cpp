@@ -195,33 +195,47 @@ void print_table(const Model& model, const Vectors& vectors) {
 
 /// A load factor at which a motion begins to grow.
 struct CriticalLoad {
-    double factor;
+    double factor;  ///< 0: a motion that nothing but the forces acts on grows however small they are
     /// Share of it by which rounding and forces that do not balance may change it at most; none: not known.
     std::optional<double> uncertainty;
+};
+
+/// Ascending, and how far they were looked for.
+struct CriticalLoads {
+    std::vector<CriticalLoad> factors;
+    double up_to = 0;
 };
 
 /// A machine at rest under a multiple of its forces.
 class Buckling {
 public:
+    static constexpr double kLargest = 1e9;  ///< of the forces at rest; told where nothing is found
+
     explicit Buckling(ModalDescription description) : description_(std::move(description)) {}
 
     /// Load factors at which motions begin to grow, ascending: all forces of the machine at rest count so many times, with
-    /// the places and the stiffness that it has there. Each factor is enclosed by two counts.
-    std::vector<CriticalLoad> find_factors(int wanted) {
+    /// the places and the stiffness that it has there. Each factor is enclosed by two counts. Looked for up to 1e9, or to
+    /// where forces are so large that nothing can be counted beside them.
+    CriticalLoads find_factors(int wanted) {
         description_.scale_forces(0);
         ModalInstance instance(description_.plugin(), description_.model());
         is_held_ = instance.count_free().value_or(1) == 0;  // not known: as if something were free
         slack_ = is_held_ ? 1 : kSlack;
-        constexpr double kLargest = 1e9;  // of the forces at rest; told where nothing is found
         double high = 1, below = 0;
-        while (count(high, slack_) < wanted && high < kLargest) high = std::min(4 * high, kLargest);
+        for (int there = count(high, slack_); there < wanted && high < kLargest;) try {
+                there = count(std::min(4 * high, kLargest), slack_);
+                high = std::min(4 * high, kLargest);
+            } catch (const Error& error) {
+                if (error.code() != ExitCode::numerical_failure) throw;
+                break;
+            }
         std::vector<CriticalLoad> factors;
         for (int k = 1, count_there = count(high, slack_); k <= std::min(wanted, count_there); ++k) {
             const double found = find_crossing(k, below, high);
-            factors.push_back(judge(found, k));
+            factors.push_back(found <= kSmallest && !is_held_ ? CriticalLoad{0, 0} : judge(found, k));
             below = found * (1 - 1e-9);
         }
-        return factors;
+        return {factors, high};
     }
 
 private:
@@ -234,7 +248,7 @@ private:
     }
     /// The factor from which on so many motions grow.
     double find_crossing(int number, double below, double above) {
-        constexpr double kSmallest = 1e-9, kNear = 1e-12;
+        constexpr double kNear = 1e-12;
         while (above - below > kNear * above && above > kSmallest) {
             const double middle = below > above / 4 ? 0.5 * (below + above) : std::max(0.25 * above, below + 1e-3 * above);
             (count(middle, slack_) >= number ? above : below) = middle;
@@ -259,25 +273,35 @@ private:
         const std::optional<double> share = share_beyond(found, number, kMoreSlack);
         if (!share) return {found, std::nullopt};
         const double late = found * *share * kSlack / (kMoreSlack - kSlack), factor = found - late;
-        if (factor <= 0) return {found, std::nullopt};
+        if (factor < kNothing * found) return {0, std::nullopt};
         return {factor, std::max(late / factor, kLeastShare)};
     }
 
     static constexpr double kLeastShare = 1e-9;  // of a factor: a thousand times what a bisection leaves
+    static constexpr double kSmallest = 1e-9;    // factor
+    static constexpr double kNothing = 1e-4;     // of a factor that rounding makes: share_beyond() is known to 1e-6
     ModalDescription description_;
     bool is_held_ = false;
     int slack_ = kSlack;
 };
 
-void print_buckling(const std::vector<CriticalLoad>& factors, int wanted) {
+void print_buckling(const CriticalLoads& loads, int wanted) {
+    const std::vector<CriticalLoad>& factors = loads.factors;
+    const std::string up_to = loads.up_to == Buckling::kLargest ? "1e9" : fmt::format("{:.3g}", loads.up_to);
     if (factors.empty()) {
-        fmt::print("no critical load factor: no motion grows up to 1e9 times its forces\n");
+        fmt::print("no critical load factor: no motion grows up to {} times its forces\n", up_to);
         return;
     }
     std::string list;
-    for (const CriticalLoad& load : factors) list += fmt::format("{}{:.8g}", list.empty() ? "" : ", ", load.factor);
+    for (const CriticalLoad& load : factors)
+        list += fmt::format("{}{:.8g}{}", list.empty() ? "" : ", ", load.factor,
+                            load.factor > 0    ? ""
+                            : load.uncertainty ? " (unstable under any load)"
+                                               : " (unstable under any load, or rounding hides it)");
     fmt::print("critical load {}: {}{}\n", factors.size() == 1 ? "factor" : "factors", list,
-               as_int(factors.size()) < wanted ? " (there are no more)" : "");
+               as_int(factors.size()) >= wanted    ? ""
+               : loads.up_to == Buckling::kLargest ? " (there are no more)"
+                                                   : fmt::format(" (there are no more up to {})", up_to));
 }
 
 /// A machine at rest under the loads of one case, or under all.
@@ -285,11 +309,12 @@ struct Found {
     std::string load_case;    ///< empty: the model has none
     std::vector<double> row;  ///< by the channels, without the time
     RestState rest;
-    std::optional<int> growing;       ///< motions; none: they cannot be counted
-    std::string why_not_counted;      ///< why they cannot
-    std::optional<FreeMotions> free;  ///< none: not known
-    std::string why_free_unknown;     ///< empty: the plugin does not tell
-    std::vector<CriticalLoad> factors;
+    std::optional<int> growing;                  ///< motions; none: they cannot be counted
+    std::string why_not_counted;                 ///< why they cannot
+    std::vector<std::string> without_potential;  ///< places of loads: growing is then that of a symmetric part
+    std::optional<FreeMotions> free;             ///< none: not known
+    std::string why_free_unknown;                ///< empty: the plugin does not tell
+    CriticalLoads critical;
     std::vector<Limit> limits;
 };
 
@@ -305,15 +330,32 @@ struct Results {
     std::vector<Failure> failures;
 };
 
+/// A critical load factor is where a symmetric stiffness is singular.
+void refuse_nonconservative(const Model& model, const ModalMachine& machine) {
+    const std::vector<size_t> loads = machine.nonconservative();
+    if (loads.empty()) return;
+    const Load& load = model.loads[loads.front()];
+    throw Error(ExitCode::model_invalid,
+                fmt::format("{}: this load {} and has no potential: --buckling finds where the symmetric part of the "
+                            "stiffness is singular, which is no critical load then; the machine may begin to flutter far "
+                            "below it. `dttmm run` with a load that grows slowly shows where motions grow",
+                            load.place,
+                            load.turns ? "turns with its part of the machine"
+                                       : "is a moment that keeps its direction where its point can turn about other axes"));
+}
+
 /// Counts motions that grow, names those that nothing holds, and finds load factors where they are asked for.
-void look_at_stability(const Request& request, const Model& model, const Plugins& plugins, Simulation& resting,
-                       Found& found) {
+void look_at_stability(const Request& request, const Model& model, const Plugins& plugins, Simulation& resting, Found& found,
+                       Warnings& warnings) {
     const auto describe = [&] {
         return ModalDescription(model, plugins, {&resting.networks(), &resting.equilibrium(), *resting.rest()});
     };
     std::optional<ModalMachine> machine;
     try {
         machine.emplace(model, describe());
+        if (request.statics.buckling > 0) refuse_nonconservative(model, *machine);
+        warn_nonconservative(model, *machine, warnings);
+        for (const size_t i : machine->nonconservative()) found.without_potential.push_back(model.loads[i].place);
         try {
             found.free = find_free(model, *machine);
         } catch (const Error& error) {
@@ -326,8 +368,8 @@ void look_at_stability(const Request& request, const Model& model, const Plugins
         found.why_free_unknown.clear();  // for the same reason
         return;
     }
-    if (request.statics.buckling > 0) found.factors = Buckling(describe()).find_factors(request.statics.buckling);
-    for (CriticalLoad& load : found.factors)
+    if (request.statics.buckling > 0) found.critical = Buckling(describe()).find_factors(request.statics.buckling);
+    for (CriticalLoad& load : found.critical.factors)
         if (load.uncertainty) *load.uncertainty += found.rest.unbalanced();
 }
 
@@ -362,7 +404,7 @@ void forget_motion(const std::vector<Channel>& channels, std::vector<double>& ro
 
 /// load_case: one of the model; null: all loads act.
 Found find_one(const Request& request, const Model& model, const Plugins& plugins, double time, const LoadCase* load_case,
-               Results& results) {
+               Results& results, Warnings& warnings) {
     Model held = model;
     Found found;
     found.load_case = model.load_case;
@@ -382,18 +424,18 @@ Found find_one(const Request& request, const Model& model, const Plugins& plugin
     forget_motion(results.channels, found.row);
     found.limits = simulation.limits();
     for (Limit& limit : found.limits) --limit.channel;  // as without the time
-    look_at_stability(request, held, plugins, simulation, found);
+    look_at_stability(request, held, plugins, simulation, found, warnings);
     return found;
 }
 
-Results find_all(const Request& request, const Model& model, const Plugins& plugins, double time) {
+Results find_all(const Request& request, const Model& model, const Plugins& plugins, double time, Warnings& warnings) {
     Results results;
     if (!model.load_case.empty() || model.cases.empty()) {
-        results.cases.push_back(find_one(request, model, plugins, time, nullptr, results));
+        results.cases.push_back(find_one(request, model, plugins, time, nullptr, results, warnings));
         return results;
     }
     for (const LoadCase& load_case : model.cases) try {
-            results.cases.push_back(find_one(request, model, plugins, time, &load_case, results));
+            results.cases.push_back(find_one(request, model, plugins, time, &load_case, results, warnings));
         } catch (const Error& error) {
             const std::string reason = fmt::format("case {}: {}", quote(load_case.name), error.what());
             if (error.code() != ExitCode::numerical_failure) throw Error(error.code(), reason);
@@ -491,13 +533,19 @@ void write_summary(JsonWriter& json, const Results& results, const Model& model,
         if (found.rest.path_ends_at) member("load_path_ends_at", *found.rest.path_ends_at);
         member("largest_force_n", found.rest.force);
         member("largest_unbalanced_force_n", found.rest.residual);
-        if (found.growing) member("growing_motions", *found.growing);
+        if (!found.without_potential.empty()) {
+            member("growing_motions", Json());
+            member("loads_without_potential", found.without_potential);
+            if (found.growing) member("growing_motions_of_symmetric_part", *found.growing);
+        } else if (found.growing) {
+            member("growing_motions", *found.growing);
+        }
         if (found.free) member("free_motions", found.free->count);
         if (found.free && !found.free->names.empty()) member("what_is_free", found.free->names);
         if (request.statics.buckling == 0) return;
         std::vector<double> factors;
         Json uncertainties = Json::array();
-        for (const auto& [factor, uncertainty] : found.factors) {
+        for (const auto& [factor, uncertainty] : found.critical.factors) {
             factors.push_back(factor);
             uncertainties.push_back(uncertainty ? Json(*uncertainty) : Json());
         }
@@ -542,6 +590,9 @@ void warn_of_rounding(const std::vector<CriticalLoad>& factors, const std::strin
             ? fmt::format(
                   "{}rounding of the largest stiffness may change the critical load factor {:.8g} by up to {:.2g} of it",
                   place, worst->factor, *worst->uncertainty)
+        : worst->factor == 0
+            ? fmt::format("{}a critical load factor is 0, or so small that rounding of the largest stiffness hides it",
+                          place)
             : fmt::format(
                   "{}it is not known how much rounding of the largest stiffness changes the critical load factor {:.8g}",
                   place, worst->factor);
@@ -549,6 +600,10 @@ void warn_of_rounding(const std::vector<CriticalLoad>& factors, const std::strin
         warnings.add("critical-load-uncertain", text);
     else
         warnings.note("critical-load-uncertain", text);
+}
+
+std::string growing_of(const Found& found) {
+    return counted(as_size(found.growing.value_or(0)), "motion grows", "motions grow");
 }
 
 /// What an equilibrium tells against itself.
@@ -568,11 +623,13 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
         warnings.add("joint-open", fmt::format("{}{} where the machine rests: joints do not quite agree with each other",
                                                place, found.rest.open));
     warn_unbalanced(found.rest, place, warnings);
-    if (found.growing.value_or(0) > 0)
+    if (found.growing.value_or(0) > 0 && !found.without_potential.empty())
+        warnings.add("stability-undecided", place + undecided(growing_of(found)));
+    else if (found.growing.value_or(0) > 0)
         warnings.add("unstable-equilibrium",
                      fmt::format("{}the equilibrium is unstable: {} from it after the smallest disturbance; \"dttmm modes\" "
                                  "lists them with negative frequencies",
-                                 place, counted(as_size(*found.growing), "motion grows", "motions grow")));
+                                 place, growing_of(found)));
     if (found.free && found.free->count > 0)
         warnings.note("free-motion", fmt::format("{}{}: small motions there meet no force, so that there may be other "
                                                  "equilibria nearby",
@@ -580,7 +637,7 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
     if (!found.why_free_unknown.empty())
         warnings.note("free-motion-unknown",
                       fmt::format("{}it is not known what nothing holds: {}", place, found.why_free_unknown));
-    warn_of_rounding(found.factors, place, warnings);
+    warn_of_rounding(found.critical.factors, place, warnings);
     if (!found.why_not_counted.empty())
         warnings.note("stability-unknown",
                       fmt::format("{}it is not known whether the equilibrium is stable: {}", place, found.why_not_counted));
@@ -588,15 +645,19 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
                 found.load_case.empty() ? "at rest" : fmt::format("at rest in case {}", quote(found.load_case)), warnings);
 }
 
+/// Before what the last line says; empty: nothing grows.
+std::string verdict_of(const Found& found) {
+    if (found.growing.value_or(0) == 0) return "";
+    if (found.without_potential.empty()) return fmt::format("unstable: {}; ", growing_of(found));
+    return fmt::format("stability not decided, {} with the symmetric part of loads; ", growing_of(found));
+}
+
 void print_case(const Request& request, const Model& model, const Results& results, const Found& found) {
     if (!found.load_case.empty())
         fmt::print("{}case {}\n", &found == &results.cases.front() ? "" : "\n", quote(found.load_case));
     print_table(model, Vectors(results.channels, found.row));
-    if (request.statics.buckling > 0) print_buckling(found.factors, request.statics.buckling);
-    fmt::print("{}forces balance to {:.2g} N (the largest is {:.4g} N) after {} in {}\n",
-               found.growing.value_or(0) > 0
-                   ? fmt::format("unstable: {}; ", counted(as_size(*found.growing), "motion grows", "motions grow"))
-                   : "",
+    if (request.statics.buckling > 0) print_buckling(found.critical, request.statics.buckling);
+    fmt::print("{}forces balance to {:.2g} N (the largest is {:.4g} N) after {} in {}\n", verdict_of(found),
                found.rest.residual, found.rest.force, counted(as_size(found.rest.iterations), "iteration", "iterations"),
                counted(as_size(found.rest.load_steps), "load step", "load steps"));
 }
@@ -620,7 +681,7 @@ ExitCode find_equilibrium(const Request& request) {
     Model model = read(request, plugins, time);
     warnings.add(model.warnings);
     note_varying(model, time, warnings);
-    const Results results = find_all(request, model, plugins, time);
+    const Results results = find_all(request, model, plugins, time, warnings);
     hold(model, time);  // as the summary has it
     for (const Found& found : results.cases) warn_of(found, results, warnings);
     note_no_stress(results, model, warnings);

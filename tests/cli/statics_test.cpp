@@ -1656,6 +1656,35 @@ TEST(Statics, CriticalLoadsAreFoundUpToABillionTimesTheForces) {
     }
 }
 
+// Oracle: a pendulum that stands on its pin falls over under any weight. A bisection ended at its lower limit of 1e-9 and
+// told that as its critical load factor. Beside a stiff cart rounding could hide a stiffness of the pin.
+TEST(Statics, WhatNothingHoldsIsUnstableUnderAnyLoad) {
+    const AtRest alone = rest_of(pendulum(0.7), {"--buckling", "1"});
+    EXPECT_EQ(alone.summary["critical_load_factors"][0], 0);
+    EXPECT_EQ(alone.told.find("rounding"), std::string::npos) << alone.told;
+    const AtRest beside = rest_of(pendulum(0.7) + R"([[body]]
+name = "cart"
+mass = 3
+inertia = [0.1, 0.2, 0.3]
+position = [5, 1, 2]
+[[element]]
+name = "rail"
+type = "spring_damper"
+from = "ground"
+to = "cart"
+stiffness = 3e6
+rotational_stiffness = 400
+)",
+                                  {"--buckling", "1"});
+    EXPECT_EQ(beside.summary["critical_load_factors"][0], 0);
+    EXPECT_TRUE(beside.summary["critical_load_uncertainties"][0].is_null());
+    EXPECT_NE(beside.told.find("a critical load factor is 0, or so small that rounding"), std::string::npos) << beside.told;
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", pendulum(0.7));
+    EXPECT_THAT(run_dttmm(folder.path(), {"static", "m.toml", "--buckling", "2"}).out,
+                HasSubstr("critical load factor: 0 (unstable under any load) (there are no more)"));
+}
+
 /// Euler's loads of a column between pins, in both planes.
 TEST(Statics, CriticalLoadFactors) {
     constexpr double kL = 1.2, kEI = 16.4, kEA = 1e5, kLoad = 10;

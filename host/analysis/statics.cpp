@@ -128,12 +128,15 @@ struct Vectors {
         double numbers[3] = {0, 0, 0};
     };
     std::map<std::string, Vector> all;
+    std::map<std::string, double> others;  ///< what is no part of a vector: "wire.force", "plate.quaternion.w"
 
     Vectors(const std::vector<Channel>& channels, std::span<const double> row) {
         for (size_t c = 0; c < channels.size(); ++c) {
             const std::string& axis = channels[c].axis();
-            if (axis != "x" && axis != "y" && axis != "z") continue;
-            all[channels[c].without_axis()].numbers[axis[0] - 'x'] = row[c];
+            if (axis == "x" || axis == "y" || axis == "z")
+                all[channels[c].without_axis()].numbers[axis[0] - 'x'] = row[c];
+            else
+                others[channels[c].name()] = row[c];
         }
     }
     const Vector* find(const std::string& name) const {
@@ -149,6 +152,18 @@ std::string cell(double value, double scale) {
 void print_row(const std::string& name, size_t width, const char* what, const Vectors::Vector& v, double scale) {
     fmt::print("{:<{}}  {:<14}{}{}{}\n", name, width, what, cell(v.numbers[0], scale), cell(v.numbers[1], scale),
                cell(v.numbers[2], scale));
+}
+
+/// Rotation vector of a body from the start, world axes [rad]; none where its quaternion is not among the channels.
+std::optional<Vectors::Vector> turn_of(const Body& body, const Vectors& vectors) {
+    const Vectors::Vector* q = vectors.find(body.name + ".quaternion");
+    const auto w = vectors.others.find(body.name + ".quaternion.w");
+    if (!q || w == vectors.others.end()) return std::nullopt;
+    const Eigen::Quaterniond now(w->second, q->numbers[0], q->numbers[1], q->numbers[2]);
+    const Eigen::AngleAxisd turn(now.toRotationMatrix() * body.rotation.transpose());
+    Vectors::Vector vector;
+    for (int i = 0; i < 3; ++i) vector.numbers[i] = turn.angle() * turn.axis()(i);
+    return vector;
 }
 
 void print_table(const Model& model, const Vectors& vectors) {
@@ -167,6 +182,8 @@ void print_table(const Model& model, const Vectors& vectors) {
             if (name.ends_with(".position")) far = std::max(far, std::abs(number));
             if (name.ends_with(".force") || name.ends_with(".reaction")) strong = std::max(strong, std::abs(number));
         }
+    for (const auto& [name, value] : vectors.others)
+        if (name.ends_with(".force")) strong = std::max(strong, std::abs(value));
     const auto print_place = [&](const std::string& name, const Eigen::Vector3d& start) {
         const Vectors::Vector* position = vectors.find(name + ".position");
         if (!position) return;
@@ -175,11 +192,16 @@ void print_table(const Model& model, const Vectors& vectors) {
         print_row(name, width, "moved [m]", moved, far);
         if (const Vectors::Vector* turn = vectors.find(name + ".rotation")) print_row("", width, "turned [rad]", *turn, 1);
     };
-    for (const Body& body : model.bodies) print_place(body.name, body.position);
+    for (const Body& body : model.bodies) {
+        print_place(body.name, body.position);
+        if (const auto turn = turn_of(body, vectors)) print_row("", width, "turned [rad]", *turn, 1);
+    }
     for (const Node& node : model.nodes) print_place(node.name, node.position);
     const auto print_force = [&](const std::string& name) {
         if (const Vectors::Vector* force = vectors.find(name + ".force"))
             print_row(name, width, "force [N]", *force, strong);
+        if (const auto along = vectors.others.find(name + ".force"); along != vectors.others.end())
+            fmt::print("{:<{}}  {:<14}{}\n", name, width, "along it [N]", cell(along->second, strong));
         if (const Vectors::Vector* moment = vectors.find(name + ".moment"))
             print_row("", width, "moment [N*m]", *moment, strong);
     };

@@ -1685,6 +1685,34 @@ rotational_stiffness = 400
                 HasSubstr("critical load factor: 0 (unstable under any load) (there are no more)"));
 }
 
+// Oracle: by hand. The body hangs on a wire at its end, straight below: it has turned by 90° about y, and the wire carries
+// its weight of 98.1 N. static.csv had both, the table neither.
+TEST(Statics, TheTableHasTurnsOfBodiesAndForcesOfAxialSprings) {
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[nodes]
+top = { position = [0, 0, 1], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+[[body]]
+name = "b"
+mass = 10
+inertia = [1, 1, 1]
+rotation = { axis = [0, 0, 1], angle = "90 deg" }
+markers = { e = [0, -0.2, 0] }
+[[element]]
+name = "wire"
+type = "axial_spring"
+from = "top"
+to = "b.e"
+stiffness = 10000
+)");
+    const Ended ended = run_dttmm(folder.path(), {"static", "m.toml"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, testing::ContainsRegex("turned \\[rad\\] +0 +-1\\.5708 +0\n"));
+    EXPECT_THAT(ended.out, testing::ContainsRegex("wire +along it \\[N\\] +98\\.1\n"));
+}
+
 /// Euler's loads of a column between pins, in both planes.
 TEST(Statics, CriticalLoadFactors) {
     constexpr double kL = 1.2, kEI = 16.4, kEA = 1e5, kLoad = 10;

@@ -33,8 +33,13 @@ constexpr uint32_t kStations = 21;
 /// Smaller shares of the strain energy are not worth a word.
 constexpr double kSmallestShare = 0.05;
 constexpr size_t kMostShares = 3;
+/// A larger share is what a small difference of large energies, of elements and of forces at rest, is divided by.
+constexpr double kLargestShare = 10;
 
+/// Forces at rest, as weight, have an energy beside that of the elements: shares of elements then do not add up to 1.
 std::string who_strains(const Model& model, const Mode& mode) {
+    if (std::ranges::any_of(mode.shares, [](double share) { return std::abs(share) > kLargestShare; }))
+        return "elements and forces at rest cancel";
     std::vector<size_t> order(mode.shares.size());
     std::iota(order.begin(), order.end(), size_t{0});
     const auto rank = [&](size_t e) { return std::round(1e6 * mode.shares[e]); };  // equal to rounding: as in the model
@@ -48,7 +53,10 @@ std::string who_strains(const Model& model, const Mode& mode) {
             text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", model.elements[order[k]].name,
                                 100 * mode.shares[order[k]]);
     if (others > 0) text += fmt::format(" and {} more", others);
-    return text.empty() ? (mode.numbers.frequency > 0 ? "spread" : "none") : text;
+    if (!text.empty()) return text;
+    if (mode.numbers.frequency == 0) return "none";
+    const double sum = std::accumulate(mode.shares.begin(), mode.shares.end(), 0.0);
+    return sum < 0.5 ? "forces at rest" : "spread";
 }
 
 /// Sum of the participations of the modes, in the directions that the model has.

@@ -3,6 +3,7 @@
 // Vibrations about equilibrium against tables of machines whose truth is known in closed form, and small runs of the same
 // machines.
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -15,6 +16,48 @@
 
 namespace dttmm::host {
 namespace {
+
+// Oracle: by hand, shares of k - m g l. At twice the weight's 1 N m the spring has 200 %; where both all but cancel its
+// share says nothing; a pendulum without spring vibrates by its weight alone.
+TEST(PreloadedModes, SharesAreNotPrintedWhereForcesCancelThem) {
+    const auto printed = [](const std::string& stiffness, double up) {
+        const std::string spring = stiffness.empty() ? ""
+                                                     : fmt::format(R"([[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "bob.pin"
+rotational_stiffness = [0, {}, 0]
+)",
+                                                                   stiffness);
+        const TemporaryFolder folder;
+        write_text(folder / "m.toml", fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -10]
+[[body]]
+name = "bob"
+mass = 0.2
+inertia = [0.02, 0.03, 0.04]
+position = [0, 0, {}]
+markers = {{ pin = [0, 0, {}] }}
+[[joint]]
+name = "pin"
+type = "hinge"
+between = ["ground", "bob.pin"]
+axis = [0, 1, 0]
+{})",
+                                                  up, -up, spring));
+        const Ended ended = run_dttmm(folder.path(), {"modes", "m.toml"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        return ended.out;
+    };
+    EXPECT_THAT(printed("2", 0.5), testing::HasSubstr("spring 200 %"));
+    const std::string cancelled = printed("1.00001", 0.5);
+    EXPECT_THAT(cancelled, testing::HasSubstr("elements and forces at rest cancel"));
+    EXPECT_THAT(cancelled, testing::Not(testing::HasSubstr("spring")));
+    EXPECT_THAT(printed("", -0.5), testing::HasSubstr("forces at rest"));
+    EXPECT_THAT(printed("", 0.5), testing::HasSubstr("forces at rest"));
+}
 
 /// A pendulum on a spring: k by m g l, its centre of mass above its pin or below. Its spring is at rest as it hangs or
 /// stands.

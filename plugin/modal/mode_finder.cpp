@@ -26,6 +26,9 @@ constexpr double kRigidRounding = 1e-12;
 constexpr double kSplit = 1e-14;
 /// Of the range looked at: lower frequencies are taken for zero. Range 1e-9 or less to 2e-7 (ASlowSpringIsNoRigidBodyMode).
 constexpr double kLowest = 1e-7;
+/// Of √rounding: slower modes are not known to kWidestBracket, whatever is asked for. Measured at a column near Euler's
+/// load: 3 to 6. It decides the words of a message only.
+constexpr double kConfirmed = 10;
 /// Strain of a rigid-body mode beyond its rounding, as share of λ where the count begins. More is a mode too slow to be
 /// counted. Range 1e-5 (below it RandomTrees) to 1e-3 (above it ASlowSpringIsNoRigidBodyMode).
 constexpr double kStrain = 1e-4;
@@ -57,6 +60,12 @@ double hertz(double omega) { return omega / (2 * M_PI); }
 
 /// What rounding makes of λ = 0 [1/s²].
 double ModeFinder::rounding() const { return kRigidRounding * stiffness_.stiffest(); }
+
+/// What else helps a machine at rest: forces cancel all but some rounding of its stiffness there.
+std::string ModeFinder::of_load() const {
+    if (!stiffness_.model().is_at_rest) return "";
+    return ", or change the load a little where it is near a critical one: there a frequency goes through zero";
+}
 
 double ModeFinder::lowest_for(double below) const { return std::max(std::sqrt(rounding()), kLowest * below); }
 
@@ -190,9 +199,9 @@ void ModeFinder::split(const Interval& interval) {
         const int number = interval.until - interval.before;
         throw Error(DTTMM_ERROR_NUMERIC,
                     fmt::format("{} natural {} at {:.9g} Hz could be counted but not confirmed: rounding of the stiffest "
-                                "parts hides {}",
+                                "parts hides {}. Make these parts rigid{}",
                                 number, number == 1 ? "frequency" : "frequencies", hertz(interval.low),
-                                number == 1 ? "it" : "them"));
+                                number == 1 ? "it" : "them", of_load()));
     }
     const double middle = std::sqrt(interval.low * interval.high);
     const int count = count_at(middle);
@@ -271,12 +280,16 @@ void ModeFinder::find_rigid(int count, double lowest) {
         }
     } while (strained > 0 && strained < 0.5 * before);
     strained = std::min(strained, before);
-    if (strained > kStrain * lowest * lowest)
+    if (strained > kStrain * lowest * lowest) {
+        // Growth is counted from that shift on. The strain is known to some parts of itself only
+        const double slow = std::sqrt(strained), limit = std::max(slow, grows ? std::sqrt(-shift) : lowest);
         throw Error(
             DTTMM_ERROR_NUMERIC,
-            fmt::format("there is a {} at about {:.3g} Hz, below {:.3g} Hz where rounding hides what is counted: make the "
-                        "stiffest parts rigid, or ask for lower frequencies",
-                        grows ? "motion that grows" : "natural frequency", hertz(std::sqrt(strained)), hertz(lowest)));
+            fmt::format("{} at about {:.2g} Hz cannot be told from a motion that nothing holds: up to {:.2g} Hz "
+                        "rounding of the stiffest parts hides what is counted. Make these parts rigid{}{}",
+                        grows ? "a motion that grows" : "a natural frequency", hertz(slow), hertz(limit),
+                        slow > kConfirmed * std::sqrt(rounding()) ? ", or ask for lower frequencies" : "", of_load()));
+    }
     add({std::vector<double>(shapes.size(), 0.0), shapes, stiffness_.cuts()}, 0);
 }
 
@@ -408,8 +421,8 @@ Mode ModeFinder::describe(FrameVector shape, double lambda) const {
         throw Error(
             DTTMM_ERROR_NUMERIC,
             fmt::format("a natural frequency at {:.6g} Hz is known to {:.1e} of itself only: rounding of the stiffest "
-                        "parts hides it; join short ones, or make them rigid",
-                        hertz(mode.omega), mode.bracket));
+                        "parts hides it; join short ones, or make them rigid{}",
+                        hertz(mode.omega), mode.bracket, of_load()));
     mode.shape = std::move(shape);
     return mode;
 }

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "modal/shape.h"
@@ -63,6 +64,7 @@ private:
     };
 
     double rounding() const;
+    std::string of_load() const;
     double lowest_for(double below) const;
     int count_at(double omega);
     void find_until(double below, size_t wanted);

@@ -244,38 +244,46 @@ LineWaves::Waves<Scalar> LineWaves::waves(const Group& group, double start, doub
         if (d == 1 || d == 2) waves.unit_n(k) = 1 / (s * s / group.unit_n(k) + group.C(k));
     }
     const auto &ud = waves.unit_d, &un = waves.unit_n;
-    const auto A_at = [&](double axial) {
-        return Matrix(s * (ud.cwiseInverse().asDiagonal() * group.A_at(axial) * ud.asDiagonal()));
+    const auto of_d = [&](const Block<double>& by_d) {
+        return Matrix(s * (ud.cwiseInverse().asDiagonal() * by_d * ud.asDiagonal()));
     };
-    const auto G_at = [&](double axial) {
-        return Matrix(s * (un.cwiseInverse().asDiagonal() * group.G_at(axial) * ud.asDiagonal()));
+    const auto of_n = [&](const Block<double>& by_d) {
+        return Matrix(s * (un.cwiseInverse().asDiagonal() * by_d * ud.asDiagonal()));
     };
+    const bool has_axial = (axial_[0] != 0 || axial_[1] != 0) && !group.G_by_N.isZero(0);
     // Of n: −Aᵀ
     const Column between = un.cwiseProduct(ud), back = between.cwiseInverse();
     const auto minus_At = [&](const Matrix& A) {
         return Matrix(back.asDiagonal() * (-A.transpose()) * between.asDiagonal());
     };
     const double middle = axial_at(start + 0.5 * s);
-    const Matrix A = A_at(middle);
+    Matrix A = of_d(group.A), A_by_N, G_by_N, G_by_N2;
+    if (has_axial) {
+        A_by_N = of_d(group.A_by_N);
+        G_by_N = of_n(group.G_by_N);
+        G_by_N2 = of_n(group.G_by_N2);
+        A += middle * A_by_N;
+    }
     const Matrix C = s * (ud.cwiseInverse().cwiseProduct(group.C).cwiseProduct(un)).asDiagonal().toDenseMatrix();
     const Matrix M = s * (un.cwiseInverse().asDiagonal() * group.M * ud.asDiagonal());
     Block<Scalar> S = Block<Scalar>::Zero(2 * n, 2 * n), by_lambda = S;
     S.topLeftCorner(n, n) = A.template cast<Scalar>();
     S.topRightCorner(n, n) = C.template cast<Scalar>() / stiffening;
-    S.bottomLeftCorner(n, n) = -lambda * M.template cast<Scalar>() + G_at(middle).template cast<Scalar>();
+    S.bottomLeftCorner(n, n) = -lambda * M.template cast<Scalar>();
+    if (has_axial) S.bottomLeftCorner(n, n) += Matrix(middle * G_by_N + middle * middle * G_by_N2).template cast<Scalar>();
     S.bottomRightCorner(n, n) = minus_At(A).template cast<Scalar>();
     by_lambda.bottomLeftCorner(n, n) = -M.template cast<Scalar>();
-    if (is_graded() && !group.G_by_N.isZero(0)) {
-        const double first = axial_at(start), last = axial_at(start + s);
-        const Matrix rise = A_at(last) - A_at(first), first_G = G_at(first), last_G = G_at(last);
+    if (has_axial && is_graded()) {
+        const double rise = axial_at(start + s) - axial_at(start);
         // Of G, a parabola, the mean
-        S.bottomLeftCorner(n, n) += ((first_G + last_G - 2 * G_at(middle)) / 6).template cast<Scalar>();
+        S.bottomLeftCorner(n, n) += Matrix(rise * rise / 12 * G_by_N2).template cast<Scalar>();
+        const Matrix A_rise = rise * A_by_N;
         Block<Scalar> change = Block<Scalar>::Zero(2 * n, 2 * n);
-        change.topLeftCorner(n, n) = rise.template cast<Scalar>();
-        change.bottomLeftCorner(n, n) = (last_G - first_G).template cast<Scalar>();
-        change.bottomRightCorner(n, n) = minus_At(rise).template cast<Scalar>();
+        change.topLeftCorner(n, n) = A_rise.template cast<Scalar>();
+        change.bottomLeftCorner(n, n) = Matrix(rise * G_by_N + 2 * middle * rise * G_by_N2).template cast<Scalar>();
+        change.bottomRightCorner(n, n) = minus_At(A_rise).template cast<Scalar>();
         S += (change * S - S * change).eval() / 12.0;
-        by_lambda += (change * by_lambda - by_lambda * change).eval() / 12.0;
+        if (with_derivative) by_lambda += (change * by_lambda - by_lambda * change).eval() / 12.0;
     }
     exponential(S, by_lambda, with_derivative, waves.U, waves.by_lambda);
     return waves;
@@ -328,7 +336,7 @@ int LineWaves::pieces(double omega, int most) const {
     constexpr double kMargin = 2;
     // An axial force that varies by v EI/length² leaves at most 0.0055 v/count⁴ of a frequency: cantilevers and bars between
     // pins, v = 0.1 to 900, in 1 to 16 pieces.
-    constexpr double kGraded = 0.0055 / 1e-6;
+    constexpr double kGraded = 0.0055 / 5e-8;
     double count = std::max(1.0, std::ceil(length_ / longest_held(kMargin * omega * omega)));
     for (const Group& group : groups_) {
         for (size_t k = 0; k < group.directions.size(); ++k)

@@ -50,7 +50,7 @@ public:
     Directions pinned() const { return pinned_; }
 
     /// Pieces it must be cut into so that none vibrates below ω with its ends held, by a lower bound: the frequencies of the
-    /// whole below ω can then be counted at its nodes. More where the axial force varies, so that these err by at most 1e-6.
+    /// whole below ω can then be counted at its nodes. More where the axial force varies, so that these err by at most 5e-8.
     /// At most `most` + 1.
     int pieces(double omega, int most) const;
     /// The longest piece that surely does not at any ω² below λ [m].
@@ -76,7 +76,6 @@ private:
         /// A + N A_by_N, and what N adds to n' by d: N G_by_N + N² G_by_N2.
         Block<double> A_by_N, G_by_N, G_by_N2;
         Block<double> A_at(double axial) const { return A + axial * A_by_N; }
-        Block<double> G_at(double axial) const { return axial * G_by_N + axial * axial * G_by_N2; }
         Column C, unit_d, unit_n;  ///< diagonal of C; units of d and n for a piece of unit length
         int mirror = -1;           ///< group of the other plane that is the same but for the sense of its rotation
     };

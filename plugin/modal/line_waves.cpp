@@ -336,13 +336,15 @@ int LineWaves::pieces(double omega, int most) const {
     constexpr double kMargin = 2;
     // An axial force that varies by v EI/length² leaves at most 0.0055 v/count⁴ of a frequency: cantilevers and bars between
     // pins, v = 0.1 to 900, in 1 to 16 pieces.
-    constexpr double kGraded = 0.0055 / 5e-8;
+    // That is kept below 1e-6, and below 5e-8 where few pieces do it: many short ones show the rounding of stiff lines.
+    constexpr double kGraded = 0.0055 / 1e-6, kFinely = 0.0055 / 5e-8, kFew = 20;
     double count = std::max(1.0, std::ceil(length_ / longest_held(kMargin * omega * omega)));
     for (const Group& group : groups_) {
         for (size_t k = 0; k < group.directions.size(); ++k)
             if (group.directions[k] > 3) {
                 const double varies = std::abs(axial_[1] - axial_[0]) * length_ * length_ * group.C(as_row(k));
-                count = std::max(count, std::ceil(std::pow(kGraded * varies, 0.25)));
+                count = std::max({count, std::ceil(std::pow(kGraded * varies, 0.25)),
+                                  std::min(kFew, std::ceil(std::pow(kFinely * varies, 0.25)))});
             }
     }
     return static_cast<int>(std::min(count, most + 1.0));

@@ -50,7 +50,7 @@ public:
     Directions pinned() const { return pinned_; }
 
     /// Pieces it must be cut into so that none vibrates below ω with its ends held, by a lower bound: the frequencies of the
-    /// whole below ω can then be counted at its nodes. More where the axial force varies, so that these err by at most 5e-8.
+    /// whole below ω can then be counted at its nodes. More where the axial force varies, so that these err by at most 1e-6.
     /// At most `most` + 1.
     int pieces(double omega, int most) const;
     /// The longest piece that surely does not at any ω² below λ [m].

@@ -75,7 +75,10 @@ int ModeFinder::count_at(double omega) {
     stiffness_.cut(omega);
     for (const double at : {omega, omega * (1 + kBeside)})
         if (const auto count = count_beside(at * at); count && *count >= 0) return counts_[at] = *count;
-    throw Error(DTTMM_ERROR_NUMERIC, fmt::format("the natural frequencies near {:.9g} Hz cannot be counted", hertz(omega)));
+    throw Error(DTTMM_ERROR_NUMERIC,
+                fmt::format("the natural frequencies near {:.9g} Hz cannot be counted: rounding of the stiffest parts hides "
+                            "them. Make these parts rigid{}",
+                            hertz(omega), of_load()));
 }
 
 /// Natural frequencies with ω² below λ, motions that grow among them; of those alone with sign_ = −1.

@@ -768,7 +768,7 @@ from = "top"
 to = "free"
 segments = {}
 theory = "euler-bernoulli"
-section = {{ EA = 1e9, EIy = 1e-4, EIz = 1e-4, GJ = 1e-3, mass = 0.8, inertia = 1e-7 }}
+section = {{ EA = 1e6, EIy = 1e-4, EIz = 1e-4, GJ = 1e-3, mass = 0.8, inertia = 1e-7 }}
 {})",
                                                0.4 + 3.7 / 3, 0.1 - 7.4 / 3, -0.3 - 7.4 / 3, segments, mass),
                                    {"--count", fmt::format("{}", count)}));

@@ -19,6 +19,8 @@ namespace {
 
 /// Cosine of an angle that is round-off.
 constexpr double kAligned = 1e-9;
+/// Pieces of a line, at most: those that DynamicStiffness takes are no fewer.
+constexpr int kMostPieces = 20000;
 /// Of the lengths of pieces: a difference that is rounding.
 constexpr double kSameLength = 1e-12;
 
@@ -273,16 +275,21 @@ void FrequencyAssembly::add_piece(const LineSpec& spec, int index, int count, co
     model_.lines.push_back({spec.element, from, to, start, finish, axes, spec.line, kind, model_.kinds[kind].get()});
 }
 
-/// A line at rest follows its bent axis in straight pieces, each with waves under its own mean axial force.
+/// A line at rest follows its bent axis in straight pieces, each with waves under its own axial force.
 void FrequencyAssembly::add_resting_line(const LineSpec& spec) {
     const LineForces forces = resting_->forces_of(spec);
     const Section& section = spec.line.section;
     const bool is_bar = spec.line.stretches_only;
+    const Vector3 along = spec.line.axes.col(0);
+    const LineWaves::Axial axial = {forces.first().head<3>().dot(along), forces.last().head<3>().dot(along)};
     const int from = frame_of_[as_size(spec.from)], to = frame_of_[as_size(spec.to)],
-              by_forces = is_bar ? 1 : forces.pieces(section), count = from == to ? std::max(2, by_forces) : by_forces;
+              by_forces = is_bar ? 1 : forces.pieces(section);
+    int count = from == to ? std::max(2, by_forces) : by_forces;
+    // The shapes of pieces at rest are those of their waves, which a strong axial force bends sharply at the ends
+    if (by_forces > 1)
+        count = std::max(count, LineWaves(spec.line, forces.length(), active_axes(spec), axial).pieces(0, kMostPieces));
     if (by_forces == 1) {
-        const Vector3 x = spec.line.axes.col(0);
-        add_line(spec, {forces.first().head<3>().dot(x), forces.last().head<3>().dot(x)});
+        add_line(spec, axial);
         if (is_bar) resting_->add_bar_force(model_.lines.back(), forces);
     } else {
         const std::vector<Matrix3>& up = model_.resting[as_size(spec.element)].axes_of_segments;

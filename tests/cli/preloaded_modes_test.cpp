@@ -811,6 +811,46 @@ TEST(PreloadedModes, ARopeThatHangsUnderItsOwnWeight) {
     }
 }
 
+// Oracle: a taut wire with stiffness between pins, f = n/(2 L) √(T/µ) √(1 + n² π² EI/(T L²)). Its weight bends it by up
+// to 1.1 of its radius of gyration, which is 3e-6 of its frequencies at most; its tension stretches it by 1.3e-3, T/EA.
+TEST(PreloadedModes, ATautWireThatItsWeightBends) {
+    constexpr double kE = 210e9, kDensity = 7850, kDiameter = 3e-3, kLength = 5;
+    const double area = M_PI * kDiameter * kDiameter / 4, bending = kE * area * kDiameter * kDiameter / 16;
+    for (const double tension : {2e3, 5e3})
+        for (const int segments : {5, 10, 33}) {
+            const std::vector<double> found = frequencies_of(modes_of(fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 5.886, -7.848]
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx"] }}
+b = {{ position = [5, 0, 0], fixed = ["y", "z", "rx"] }}
+[[element]]
+name = "wire"
+type = "beam"
+from = "a"
+to = "b"
+segments = {}
+theory = "euler-bernoulli"
+section = {{ circle = "3 mm" }}
+material = {{ E = "210 GPa", poisson = 0.3, density = 7850 }}
+[[load]]
+on = "b"
+direction = [1, 0, 0]
+force = {}
+)",
+                                                                                  segments, tension),
+                                                                      {"--count", "6"}));
+            const double strain = tension / (kE * area), length = kLength * (1 + strain);
+            for (size_t k = 0; k < 6; ++k) {
+                const double n = static_cast<double>(k / 2 + 1), x = n * M_PI / length;
+                const double exact =
+                    x / (2 * M_PI) *
+                    std::sqrt((tension + x * x * bending * (1 + strain)) * (1 + strain) / (kDensity * area));
+                EXPECT_NEAR(found.at(k), exact, 2e-5 * exact) << tension << " " << segments << ": " << k;
+            }
+        }
+}
+
 // Oracle: finer lumps, extrapolated. A body beside the axis of a light cantilever bends and twists it by 0.05 of its radius
 // of gyration: its curvature couples bending with torsion.
 TEST(PreloadedModes, ABeamThatALoadBesideItsAxisBends) {

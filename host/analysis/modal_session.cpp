@@ -125,8 +125,8 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
     if (machine.rest()) warn_unbalanced(*machine.rest(), "", warnings);
     for (const RestLimit& limit : machine.limits_at_rest())
         if (limit.most > 1) warn_limit(limit.channel, limit.element, limit.most, "at rest", warnings);
-    // Measured: cantilevers and clamped bars, 0.001 to 0.04 for bends of 0.006 to 1.7 and 5 to 80 segments
-    constexpr double kOfBend = 0.04;
+    // Measured: cantilevers and clamped bars, 0.001 to 0.12 for bends of 0.006 to 1.7 and 5 to 80 segments
+    constexpr double kOfBend = 0.12;
     std::string first;
     size_t count = 0;
     for (size_t e = 0; e < model.elements.size(); ++e) {

@@ -92,9 +92,9 @@ double LineForces::bend(const Section& section) const {
 
 int LineForces::pieces(const Section& section) const {
     // Measured errors of frequencies: of a share v of the stiffness beside a linear axial force 0.03 to 0.085 v/k⁴ in k
-    // pieces; of moments of a share b 0.008 b/k² (a deep cantilever); of a bend of b radii of gyration at most 0.04 b²/k²
+    // pieces; of moments of a share b 0.008 b/k² (a deep cantilever); of a bend of b radii of gyration at most 0.12 b²/k²
     // (cantilevers and clamped bars, b = 0.006 to 1.7, 5 to 80 pieces).
-    constexpr double kShare = 1e-5, kVaries = 1e-6, kBend = 5e-3;
+    constexpr double kShare = 1e-5, kVaries = 1e-6, kBend = 3e-3;
     const Vector3 chord = (points_.back() - points_.front()).normalized();
     const double bending = least_bending(section), length = this->length(), axial = mean_force().dot(chord),
                  along = M_PI * M_PI * bending / (length * length) + std::abs(axial),
@@ -120,22 +120,20 @@ Matrix12 LineForces::stiffness(const Piece& piece, const Section& section, const
         if (factor_ == 0) return Vector3(Vector3::Zero());
         return Vector3((piece.axes.transpose() * at(share).tail<3>()).cwiseQuotient(factor_ * rigidities));
     };
-    // Curvature and twist are linear along the piece; its ends lie on the axis, its middle has the axes of the piece
+    // Curvature is linear along the piece and twist constant; its ends lie on the axis, its middle has the axes of the piece
     const Vector3 a = curvature_at(piece.from), b = curvature_at(piece.to);
     const double h = piece.length;
     Vector3 mean = a / 3 + b / 6;
-    mean.x() = (3 * a.x() + b.x()) / 8;
+    mean.x() = a.x() / 2;
     Matrix13 sum = Matrix13::Zero();
     Matrix12 K = Matrix12::Zero();
     Vector12 longer = Vector12::Zero();
     for (size_t k = 0; k < shapes.at.size(); ++k) {
         const double t = LineShapes::kPoints[k], share = piece.from + t * (piece.to - piece.from),
                      weight = LineShapes::kWeights[k] * h;
-        const Vector3 turn = h * ((t - 0.5 * t * t) * a + 0.5 * t * t * b - mean), slope = turn.cross(e),
-                      beside = (h * h * ((t * t / 2 - t * t * t / 6) * a + t * t * t / 6 * b - t * mean)).cross(e);
+        const Vector3 turn = h * ((t - 0.5 * t * t) * a + 0.5 * t * t * b - mean), slope = turn.cross(e);
         Vector6 forces = to_local * at(share);
         const Vector3 force = forces.head<3>();
-        forces.tail<3>() -= beside.cross(force);
         forces(0) -= (1 - t) * piece.axial[0] + t * piece.axial[1];
         TwistedShape twisted;
         twisted.d << shapes.at[k].d, Vector6::Unit(3) * (4 * t * (1 - t));

@@ -18,8 +18,8 @@ namespace dttmm::plugin {
 namespace {
 
 /// Of a line that counts as nearly straight: how far it may be bent, as share of its radius of gyration. Pieces as long as
-/// its segments leave up to 0.04 b²/n² of a frequency for a bend of b. At 3 that is what lumps leave in the first modes of a
-/// beam, 0.2/n² to 0.4/n².
+/// its segments leave up to 0.12 b²/n² of a frequency for a bend of b. At 3 that is what lumps leave in the second mode of a
+/// beam, 0.5/n² to 2/n².
 constexpr double kStraight = 3;
 
 /// Segments stand for arcs of the curvature κ that moments make, and turn by κ times their length in the joints between

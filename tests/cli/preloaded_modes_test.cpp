@@ -888,6 +888,45 @@ section = {{ EA = 6e5, EIy = 800, EIz = 120, GJ = 100, mass = 1e-8, inertia = 1e
     }
 }
 
+// Oracle: the bend by hand: a force F at a tip bends a cantilever by F L³/(3 EI), and its middle by 1/(3 √3) of that beside
+// the line between its ends; the radius of gyration is 10 mm. What is bent by more than three radii are lumps.
+TEST(PreloadedModes, ABentBeamIsToldWithWhatItsBendLeaves) {
+    for (const auto& [bend, words] : {std::pair(0.03, ""),
+                                      {0.07,
+                                       "by 0.07 of its radius of gyration, which is in the "
+                                       "frequencies with a relative error of up to 0.0006/n^2"},
+                                      {1.5, "a relative error of up to 0.3/n^2"},
+                                      {2.7, "which is in the frequencies"},
+                                      {3.3, "it counts by its segments, as in a run"}}) {
+        const TemporaryFolder folder;
+        write_text(folder / "m.toml", fmt::format(R"(format = "dttmm/1"
+[nodes]
+wall = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+tip = [1, 0, 0]
+[[element]]
+name = "bar"
+type = "beam"
+from = "wall"
+to = "tip"
+segments = 20
+theory = "euler-bernoulli"
+section = {{ EA = 1e6, EIy = 100, EIz = 130, GJ = 80, mass = 0.7, inertia = 1e-4 }}
+[[load]]
+on = "tip"
+direction = [0, 0, 1]
+force = {}
+)",
+                                                  3 * 100 * 0.01 * bend * 3 * std::sqrt(3)));
+        const Ended ended = run_dttmm(folder.path(), {"modes", "m.toml", "-o", "out"});
+        EXPECT_EQ(ended.code, 0) << bend;
+        if (*words) {
+            EXPECT_THAT(ended.err, HasSubstr(words)) << bend;
+        } else {
+            EXPECT_THAT(ended.err, testing::Not(HasSubstr("is bent at rest")));
+        }
+    }
+}
+
 // Oracle: the girder without its load, whose bend is 1e-5 of its frequencies. By ten lumps the eighth is 9 % lower.
 TEST(PreloadedModes, AGirderUnderItsOwnWeightIsNotLumps) {
     const std::string girder = R"(format = "dttmm/1"

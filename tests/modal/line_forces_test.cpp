@@ -119,7 +119,7 @@ TEST(LineForces, ABentAxisCouplesBendingAndTorsion) {
     EXPECT_NEAR(K(4, 9), expected, 1e-6 * std::abs(expected));
 }
 
-// Oracle: a sag of 0.04 of the radius of gyration wants 0.04/5e-3 pieces, less than 0.01 two.
+// Oracle: a sag of 0.024 of the radius of gyration wants 0.024/3e-3 pieces, less than 0.006 two.
 TEST(LineForces, PiecesByTheBend) {
     const Section section = slender();
     const double radius = std::sqrt(section.EIy / section.EA);
@@ -129,8 +129,8 @@ TEST(LineForces, PiecesByTheBend) {
         EXPECT_NEAR(forces.bend(section), share, 1e-9 * share);
         return forces.pieces(section);
     };
-    EXPECT_EQ(pieces(0.0399), 8);
-    EXPECT_EQ(pieces(0.0401), 9);
+    EXPECT_EQ(pieces(0.0239), 8);
+    EXPECT_EQ(pieces(0.0241), 9);
     EXPECT_EQ(pieces(0.0004), 2);
     EXPECT_EQ(pieces(0.9e-5), 1);
 }

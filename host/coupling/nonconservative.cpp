@@ -17,23 +17,21 @@ namespace {
 /// Of a unit load on unit motions: rounding of anchors and axes is below 1e-12 of the machine.
 constexpr double kRounding = 1e-9;
 
-using Matrix = Eigen::MatrixXd;
-
 /// An orthonormal basis of what the columns span, and of what they leave.
 struct Bases {
-    Matrix span, rest;
+    Eigen::MatrixXd span, rest;
 };
-Bases bases_of(const Matrix& columns) {
-    if (columns.cols() == 0) return {Matrix(6, 0), Matrix::Identity(6, 6)};
-    const Eigen::JacobiSVD<Matrix> svd(columns, Eigen::ComputeFullU);
+Bases bases_of(const Eigen::MatrixXd& columns) {
+    if (columns.cols() == 0) return {Eigen::MatrixXd(6, 0), Eigen::MatrixXd::Identity(6, 6)};
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(columns, Eigen::ComputeFullU);
     const Eigen::VectorXd& values = svd.singularValues();
     Eigen::Index rank = 0;
     while (rank < values.size() && values(rank) > kRounding) ++rank;
     return {svd.matrixU().leftCols(rank), svd.matrixU().rightCols(6 - rank)};
 }
 
-Matrix beside(const Matrix& a, const Matrix& b) {
-    Matrix both(6, a.cols() + b.cols());
+Eigen::MatrixXd beside(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+    Eigen::MatrixXd both(6, a.cols() + b.cols());
     both << a, b;
     return both;
 }
@@ -50,7 +48,9 @@ Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
 class FreeMotionsOfBodies {
 public:
     FreeMotionsOfBodies(const Model& model, const ModalDescription& machine)
-        : description_(machine.model()), joints_(model.bodies.size()), free_(model.bodies.size(), Matrix::Identity(6, 6)) {
+        : description_(machine.model()),
+          joints_(model.bodies.size()),
+          free_(model.bodies.size(), Eigen::MatrixXd::Identity(6, 6)) {
         const uint32_t count = description_.constraint_count;
         if (count > 0) origin_ = Eigen::Map<const Eigen::Vector3d>(description_.constraints[0].position);
         for (uint32_t j = 0; j < count; ++j) {
@@ -73,8 +73,8 @@ public:
     }
 
     /// Of the point of a body that is at p, 6 × as many as are free.
-    Matrix at(size_t body, const Eigen::Vector3d& p) const {
-        Matrix motions = free_[body];
+    Eigen::MatrixXd at(size_t body, const Eigen::Vector3d& p) const {
+        Eigen::MatrixXd motions = free_[body];
         motions.topRows<3>() -= cross((p - origin_) / size_) * motions.bottomRows<3>();
         return motions;
     }
@@ -84,10 +84,10 @@ private:
         const dttmm_constraint& joint = description_.constraints[j];
         return joint.first == as_int(body) ? joint.second : joint.first;
     }
-    Matrix motions_of(const dttmm_constraint& joint) const {
+    Eigen::MatrixXd motions_of(const dttmm_constraint& joint) const {
         const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(joint.axes);
         const Eigen::Vector3d arm = (Eigen::Map<const Eigen::Vector3d>(joint.position) - origin_) / size_;
-        Matrix motions(6, 0);
+        Eigen::MatrixXd motions(6, 0);
         for (int d = 0; d < 6; ++d) {
             if (joint.rigid >> d & 1u) continue;
             const Eigen::Vector3d axis = axes.col(d % 3);
@@ -102,13 +102,13 @@ private:
     }
     /// Whether less is left than before.
     bool narrow(size_t body) {
-        Matrix held(6, 0);
+        Eigen::MatrixXd held(6, 0);
         for (const uint32_t j : joints_[body]) {
             const int other = other_of(j, body);
-            const Matrix of_other = other < 0 ? Matrix(6, 0) : free_[as_size(other)];
+            const Eigen::MatrixXd of_other = other < 0 ? Eigen::MatrixXd(6, 0) : free_[as_size(other)];
             held = beside(held, bases_of(beside(of_other, own_[j])).rest);
         }
-        const Matrix left = bases_of(held).rest;
+        const Eigen::MatrixXd left = bases_of(held).rest;
         if (left.cols() >= free_[body].cols()) return false;
         free_[body] = left;
         return true;
@@ -116,15 +116,15 @@ private:
 
     dttmm_modal_model description_;
     std::vector<std::vector<uint32_t>> joints_;  ///< by body
-    std::vector<Matrix> own_;                    ///< what each joint leaves free itself
-    std::vector<Matrix> free_;                   ///< by body
+    std::vector<Eigen::MatrixXd> own_;           ///< what each joint leaves free itself
+    std::vector<Eigen::MatrixXd> free_;          ///< by body
     Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();
     double size_ = 0;
 };
 
 /// The antisymmetric part b(1, 2) of a unit load, by motions [v; θ] of its point.
-Matrix form_of(const Load& load, const Eigen::Vector3d& direction) {
-    Matrix form = Matrix::Zero(6, 6);
+Eigen::MatrixXd form_of(const Load& load, const Eigen::Vector3d& direction) {
+    Eigen::MatrixXd form = Eigen::MatrixXd::Zero(6, 6);
     if (load.is_moment)
         form.bottomRightCorner<3, 3>() = -cross(direction);  // m·(θ1 × θ2) = −θ1·(m × θ2)
     else
@@ -132,18 +132,18 @@ Matrix form_of(const Load& load, const Eigen::Vector3d& direction) {
     return form;
 }
 
-bool has_potential(const Load& load, const Eigen::Vector3d& direction, const Matrix& free) {
+bool has_potential(const Load& load, const Eigen::Vector3d& direction, const Eigen::MatrixXd& free) {
     if (free.cols() < 2) return true;
     return (free.transpose() * form_of(load, direction) * free).cwiseAbs().maxCoeff() <= kRounding;
 }
 
 /// Directions in which a node is not fixed. Those that are fixed turn with a support: which are free then is not looked at,
 /// unless it is one at most.
-Matrix free_of(const Node& node) {
-    Matrix free = Matrix::Zero(6, 0);
+Eigen::MatrixXd free_of(const Node& node) {
+    Eigen::MatrixXd free = Eigen::MatrixXd::Zero(6, 0);
     const bool turns = node.is_support() && (node.fixed >> 3).count() < 2;
     for (size_t d = 0; d < 6; ++d)
-        if (!node.fixed[d] || (turns && d >= 3)) free = beside(free, Matrix::Identity(6, 6).col(as_row(d)));
+        if (!node.fixed[d] || (turns && d >= 3)) free = beside(free, Eigen::MatrixXd::Identity(6, 6).col(as_row(d)));
     return free;
 }
 

@@ -15,8 +15,6 @@ namespace dttmm::plugin {
 
 namespace {
 
-/// Pieces of a line, at most.
-constexpr int kMostPieces = 20000;
 /// Of the eigenvalues of a pivot when all that moves is held: smaller ones, as share of the largest, stem from rounding.
 constexpr double kSingular = 1e-14;
 /// Of a frame's largest stiffness: what is less in its rotations, or its translations, is rounding of levers [m²].
@@ -37,7 +35,7 @@ Vector12 momentum_of(const Pin& pin, const Vector12& ends) {
 
 void DynamicStiffness::cut(double omega) {
     std::vector<int> counts;
-    for (const auto& kind : model_.kinds) counts.push_back(kind->pieces(omega, kMostPieces));
+    for (const auto& kind : model_.kinds) counts.push_back(kind->pieces(omega, LineWaves::kMostPieces));
     if (is_cut_ && counts == counts_) return;
     cut_for_ = omega;
     cut_into(counts);
@@ -74,11 +72,12 @@ void DynamicStiffness::cut_into(const std::vector<int>& counts) {
     waves_.resize(slots);
     for (size_t l = 0; l < model_.lines.size(); ++l) {
         const LineModel& line = model_.lines[l];
-        if (count(line) > kMostPieces || pieces_.size() + as_size(count(line)) > 100 * as_size(kMostPieces))
+        if (count(line) > LineWaves::kMostPieces ||
+            pieces_.size() + as_size(count(line)) > 100 * as_size(LineWaves::kMostPieces))
             throw Error(DTTMM_ERROR_MEMORY,
                         fmt::format("up to {:.4g} Hz it has too many waves to count: more than {} pieces; ask for lower "
                                     "frequencies",
-                                    cut_for_ / (2 * M_PI), kMostPieces),
+                                    cut_for_ / (2 * M_PI), LineWaves::kMostPieces),
                         line.element);
         cut_line(l);
     }

@@ -19,8 +19,6 @@ namespace {
 
 /// Cosine of an angle that is round-off.
 constexpr double kAligned = 1e-9;
-/// Pieces of a line, at most: those that DynamicStiffness takes are no fewer.
-constexpr int kMostPieces = 20000;
 /// Of the lengths of pieces: a difference that is rounding.
 constexpr double kSameLength = 1e-12;
 
@@ -287,7 +285,8 @@ void FrequencyAssembly::add_resting_line(const LineSpec& spec) {
     int count = from == to ? std::max(2, by_forces) : by_forces;
     // The shapes of pieces at rest are those of their waves, which a strong axial force bends sharply at the ends
     if (by_forces > 1)
-        count = std::max(count, LineWaves(spec.line, forces.length(), active_axes(spec), axial).pieces(0, kMostPieces));
+        count = std::max(count,
+                         LineWaves(spec.line, forces.length(), active_axes(spec), axial).pieces(0, LineWaves::kMostPieces));
     if (by_forces == 1) {
         add_line(spec, axial);
         if (is_bar) resting_->add_bar_force(model_.lines.back(), forces);

@@ -49,6 +49,8 @@ public:
     /// them.
     Directions pinned() const { return pinned_; }
 
+    /// Pieces that a line is cut into, at most.
+    static constexpr int kMostPieces = 20000;
     /// Pieces it must be cut into so that none vibrates below ω with its ends held, by a lower bound: the frequencies of the
     /// whole below ω can then be counted at its nodes. More where the axial force varies, so that these err by at most 1e-6.
     /// At most `most` + 1.

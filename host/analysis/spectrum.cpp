@@ -154,7 +154,7 @@ void SpectrumCommand::judge_peaks() {
         warnings_.add(
             "few-periods",
             fmt::format("largest below {:g} Hz, of which the window has fewer than {:g} periods: {}; amplitude and "
-                        "frequency there are rough, use a longer window",
+                        "frequency there are uncertain, use a longer window",
                         kFewPeriods * resolution(), kFewPeriods, listed(slow)));
     if (!fast.empty())
         warnings_.add(

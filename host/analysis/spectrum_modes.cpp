@@ -137,7 +137,7 @@ void SpectrumModes::judge(const RecordedRun& run, int wanted, Warnings& warnings
         const double f = frequency(i), growth = found_.modes[i].rate.real() * duration;
         if (f * duration < kFewPeriods)
             warnings.add("few-periods",
-                         fmt::format("the window has {:.2g} periods of the mode at {:.6g} Hz: its damping is rough",
+                         fmt::format("the window has {:.2g} periods of the mode at {:.6g} Hz: its damping is uncertain",
                                      f * duration, f));
         if (f > kEndOfBand / (2 * run.interval()))
             warnings.add(

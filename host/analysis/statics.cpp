@@ -226,38 +226,42 @@ struct CriticalLoad {
 struct CriticalLoads {
     std::vector<CriticalLoad> factors;
     double up_to = 0;
+    std::string why_not_beyond;  ///< empty: up to the largest
 };
 
 /// A machine at rest under a multiple of its forces.
 class Buckling {
 public:
-    static constexpr double kLargest = 1e9;  ///< of the forces at rest; told where nothing is found
+    static constexpr double kLargest = 1e9;  ///< of the forces at rest; the results name it
 
     explicit Buckling(ModalDescription description) : description_(std::move(description)) {}
 
     /// Load factors at which motions begin to grow, ascending: all forces of the machine at rest count so many times, with
     /// the places and the stiffness that it has there. Each factor is enclosed by two counts. Looked for up to 1e9, or to
-    /// where forces are so large that nothing can be counted beside them.
+    /// within a fifth of where forces are so large that a section cannot bear them or nothing can be counted beside them.
     CriticalLoads find_factors(int wanted) {
         description_.scale_forces(0);
         ModalInstance instance(description_.plugin(), description_.model());
         is_held_ = instance.count_free().value_or(1) == 0;  // not known: as if something were free
         slack_ = is_held_ ? 1 : kSlack;
         double high = 1, below = 0;
-        for (int there = count(high, slack_); there < wanted && high < kLargest;) try {
-                there = count(std::min(4 * high, kLargest), slack_);
-                high = std::min(4 * high, kLargest);
-            } catch (const Error& error) {
-                if (error.code() != ExitCode::numerical_failure) throw;
-                break;
+        int there = count(high, slack_);
+        for (double step = kLargestStep; there < wanted && high < kLargest && step > kLeastStep;) {
+            const double next = std::min(step * high, kLargest);
+            if (const std::optional<int> found = try_count(next)) {
+                there = *found;
+                high = next;
+            } else {
+                step = std::sqrt(step);
             }
+        }
         std::vector<CriticalLoad> factors;
-        for (int k = 1, count_there = count(high, slack_); k <= std::min(wanted, count_there); ++k) {
+        for (int k = 1; k <= std::min(wanted, there); ++k) {
             const double found = find_crossing(k, below, high);
             factors.push_back(found <= kSmallest && !is_held_ ? CriticalLoad{0, 0} : judge(found, k));
             below = found * (1 - 1e-9);
         }
-        return {factors, high};
+        return {factors, high, high < kLargest ? why_not_ : ""};
     }
 
 private:
@@ -267,6 +271,16 @@ private:
     int count(double factor, int slack) {
         description_.scale_forces(factor);
         return as_int(ModalInstance(description_.plugin(), description_.model()).count_growing(slack));
+    }
+    /// None: they cannot be counted under so large forces.
+    std::optional<int> try_count(double factor) {
+        try {
+            return count(factor, slack_);
+        } catch (const Error& error) {
+            if (error.code() != ExitCode::numerical_failure && error.code() != ExitCode::resource_limit) throw;
+            why_not_ = error.what();
+            return std::nullopt;
+        }
     }
     /// The factor from which on so many motions grow.
     double find_crossing(int number, double below, double above) {
@@ -299,19 +313,23 @@ private:
         return {factor, std::max(late / factor, kLeastShare)};
     }
 
+    /// From one factor to the next: 4, and its roots as long as they are larger than the least. The last is 1.19.
+    static constexpr double kLargestStep = 4, kLeastStep = 1.1;
     static constexpr double kLeastShare = 1e-9;  // of a factor: a thousand times what a bisection leaves
     static constexpr double kSmallest = 1e-9;    // factor
     static constexpr double kNothing = 1e-4;     // of a factor that rounding makes: share_beyond() is known to 1e-6
     ModalDescription description_;
     bool is_held_ = false;
     int slack_ = kSlack;
+    std::string why_not_;
 };
 
 void print_buckling(const CriticalLoads& loads, int wanted) {
     const std::vector<CriticalLoad>& factors = loads.factors;
-    const std::string up_to = loads.up_to == Buckling::kLargest ? "1e9" : fmt::format("{:.3g}", loads.up_to);
+    const bool are_all = loads.why_not_beyond.empty();
+    const std::string up_to = are_all ? "1e9" : fmt::format("{:.3g}; beyond, {}", loads.up_to, loads.why_not_beyond);
     if (factors.empty()) {
-        fmt::print("no critical load factor: no motion grows up to {} times its forces\n", up_to);
+        fmt::print("no critical load factor up to {}\n", up_to);
         return;
     }
     std::string list;
@@ -321,9 +339,9 @@ void print_buckling(const CriticalLoads& loads, int wanted) {
                             : load.uncertainty ? " (unstable under any load)"
                                                : " (unstable under any load, or rounding hides it)");
     fmt::print("critical load {}: {}{}\n", factors.size() == 1 ? "factor" : "factors", list,
-               as_int(factors.size()) >= wanted    ? ""
-               : loads.up_to == Buckling::kLargest ? " (there are no more)"
-                                                   : fmt::format(" (there are no more up to {})", up_to));
+               as_int(factors.size()) >= wanted ? ""
+               : are_all                        ? " (there are no more)"
+                                                : fmt::format(" (there are no more up to {})", up_to));
 }
 
 /// A machine at rest under the loads of one case, or under all.
@@ -573,6 +591,8 @@ void write_summary(JsonWriter& json, const Results& results, const Model& model,
         }
         member("critical_load_factors", factors);
         member("critical_load_uncertainties", uncertainties);
+        if (as_int(factors.size()) < request.statics.buckling)
+            member("critical_loads_looked_for_up_to", found.critical.up_to);
     };
     json.member("format", "dttmm-static/1");
     json.member("warnings", describe_warnings(warnings));

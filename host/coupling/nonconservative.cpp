@@ -14,8 +14,8 @@ namespace dttmm::host {
 
 namespace {
 
-/// Of a unit load on unit motions: rounding of anchors and axes is below 1e-12 of the machine.
-constexpr double kRounding = 1e-9;
+/// Directions and forms of a unit load on unit motions below it are 0: rounding of anchors and axes is below 1e-12.
+constexpr double kEmpty = 1e-9;
 
 /// An orthonormal basis of what the columns span, and of what they leave.
 struct Bases {
@@ -26,7 +26,7 @@ Bases bases_of(const Eigen::MatrixXd& columns) {
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(columns, Eigen::ComputeFullU);
     const Eigen::VectorXd& values = svd.singularValues();
     Eigen::Index rank = 0;
-    while (rank < values.size() && values(rank) > kRounding) ++rank;
+    while (rank < values.size() && values(rank) > kEmpty) ++rank;
     return {svd.matrixU().leftCols(rank), svd.matrixU().rightCols(6 - rank)};
 }
 
@@ -134,7 +134,7 @@ Eigen::MatrixXd form_of(const Load& load, const Eigen::Vector3d& direction) {
 
 bool has_potential(const Load& load, const Eigen::Vector3d& direction, const Eigen::MatrixXd& free) {
     if (free.cols() < 2) return true;
-    return (free.transpose() * form_of(load, direction) * free).cwiseAbs().maxCoeff() <= kRounding;
+    return (free.transpose() * form_of(load, direction) * free).cwiseAbs().maxCoeff() <= kEmpty;
 }
 
 /// Directions in which a node is not fixed. Those that are fixed turn with a support: which are free then is not looked at,

@@ -117,7 +117,7 @@ double allowed_rise(const Residuals& residuals) {
 void find_intervals(const Residuals& residuals, Solution& solution, double inflation) {
     const Unknowns& unknowns = residuals.unknowns();
     const double allowed = inflation * inflation * allowed_rise(residuals);
-    const auto limit = [&](size_t unknown, double sign) -> Limit {
+    const auto limit = [&](size_t unknown, double sign) -> LimitFound {
         const Unknown& one = unknowns[unknown];
         const double deviation = solution.judged.deviations(as_row(unknown)), x = solution.x(as_row(unknown));
         if (solution.judged.is_dead[unknown] || !std::isfinite(deviation)) return {};
@@ -128,7 +128,7 @@ void find_intervals(const Residuals& residuals, Solution& solution, double infla
     };
     const std::vector<TaskResult> limits = map_in_processes(2 * unknowns.size(), residuals.jobs(), [&](size_t task) {
         const double sign = task % 2 == 0 ? -1 : 1;
-        const Limit found = limit(task / 2, sign);
+        const LimitFound found = limit(task / 2, sign);
         std::vector<double> numbers = {found.is_converged ? 1.0 : 0.0};
         if (found.distance) numbers.push_back(solution.x(as_row(task / 2)) + sign * *found.distance);
         return numbers;

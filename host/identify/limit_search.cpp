@@ -10,7 +10,7 @@
 
 namespace dttmm::host {
 
-Limit find_limit(const std::function<Rise(double distance)>& rise, double first, double reach, double allowed) {
+LimitFound find_limit(const std::function<Rise(double distance)>& rise, double first, double reach, double allowed) {
     constexpr double kEnough = 0.1;  // of what is allowed: 5 % of the interval
     constexpr int kMostTries = 20;   // each is a fit of the other unknowns
     double distance = first, within = 0, beyond = std::numeric_limits<double>::infinity();

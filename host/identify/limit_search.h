@@ -13,13 +13,13 @@ struct Rise {
 };
 
 /// One end of an interval.
-struct Limit {
+struct LimitFound {
     std::optional<double> distance;  ///< from the minimum; none: chi2 does not rise so far
     bool is_converged = true;        ///< false: the distance is the best guess
 };
 
 /// The distance at which chi2 has risen by what is allowed, to 5 % of the distance. None: it does not within `reach`.
 /// Where the model has no answer the limit is unknown: none, and not converged. first: a guess of the distance.
-Limit find_limit(const std::function<Rise(double distance)>& rise, double first, double reach, double allowed);
+LimitFound find_limit(const std::function<Rise(double distance)>& rise, double first, double reach, double allowed);
 
 }  // namespace dttmm::host

@@ -21,6 +21,10 @@ constexpr double kSingular = 1e-14;
 constexpr double kIdleRounding = 1e-24;
 /// Of a row of rigid directions: what is left of one that follows from others.
 constexpr double kRedundant = 1e-9;
+/// Evaluations of lines after which their expansion pays: it takes as long as so many.
+constexpr int kDirect = 6;
+/// Of λ: the search for frequencies goes beyond that which it is cut for.
+constexpr double kBeyondCut = 2;
 
 /// Of a bar between pins: m [1/3 1/6; 1/6 1/3].
 Vector12 momentum_of(const Pin& pin, const Vector12& ends) {
@@ -34,6 +38,7 @@ Vector12 momentum_of(const Pin& pin, const Vector12& ends) {
 // ---- The pieces ---------------------------------------------------------------------------------------------------------
 
 void DynamicStiffness::cut(double omega) {
+    asked_for_ = omega;
     std::vector<int> counts;
     for (const auto& kind : model_.kinds) counts.push_back(kind->pieces(omega, LineWaves::kMostPieces));
     if (is_cut_ && counts == counts_) return;
@@ -51,6 +56,7 @@ void DynamicStiffness::cut_like(const DynamicStiffness& other) {
         own = wanted;
     }
     if (!is_possible) throw Error(DTTMM_ERROR_ARGUMENT, "the machines differ in more than numbers");
+    asked_for_ = other.asked_for_;
     if (is_cut_ && counts == counts_) return;
     cut_for_ = other.cut_for_;
     cut_into(counts);
@@ -64,20 +70,27 @@ void DynamicStiffness::cut_into(const std::vector<int>& counts) {
     pieces_.clear();
     bar_masses_.clear();
     first_slot_.clear();
+    first_piece_.clear();
     size_t slots = 0;
     for (size_t k = 0; k < counts_.size(); ++k) {
         first_slot_.push_back(slots);
         slots += model_.kinds[k]->is_graded() ? as_size(counts_[k]) : 1;
     }
     waves_.resize(slots);
+    expansions_.assign(slots, std::nullopt);
+    expanded_to_ = 0;
+    direct_ = 0;
     for (size_t l = 0; l < model_.lines.size(); ++l) {
         const LineModel& line = model_.lines[l];
         if (count(line) > LineWaves::kMostPieces ||
             pieces_.size() + as_size(count(line)) > 100 * as_size(LineWaves::kMostPieces))
             throw Error(DTTMM_ERROR_MEMORY,
-                        fmt::format("up to {:.4g} Hz it has too many waves to count: more than {} pieces; ask for lower "
-                                    "frequencies",
-                                    cut_for_ / (2 * M_PI), LineWaves::kMostPieces),
+                        cut_for_ > 0
+                            ? fmt::format("up to {:.4g} Hz it has too many waves to count: more than {} pieces; ask for "
+                                          "lower frequencies",
+                                          cut_for_ / (2 * M_PI), LineWaves::kMostPieces)
+                            : fmt::format("its axial force is so strong that it would take more than {} pieces",
+                                          LineWaves::kMostPieces),
                         line.element);
         cut_line(l);
     }
@@ -88,6 +101,7 @@ void DynamicStiffness::cut_into(const std::vector<int>& counts) {
 void DynamicStiffness::cut_line(size_t l) {
     const LineModel& line = model_.lines[l];
     const int pieces = count(line);
+    first_piece_.push_back(static_cast<std::ptrdiff_t>(pieces_.size()));
     const auto point = [&](int i) { return Vector3(line.start + double(i) / pieces * (line.finish - line.start)); };
     int from = line.from;
     for (int i = 0; i < pieces; ++i) {
@@ -219,12 +233,22 @@ void DynamicStiffness::refuse(dttmm_status status, int frame, const std::string&
 
 void DynamicStiffness::evaluate_waves(double lambda, bool with_mass) {
     lambda_ = lambda;
-    for (size_t k = 0; k < model_.kinds.size(); ++k) {
-        const size_t first = first_slot_[k], end = k + 1 < first_slot_.size() ? first_slot_[k + 1] : waves_.size();
-        for (size_t i = first; i < end; ++i)
-            model_.kinds[k]->evaluate<double>(counts_[k], lambda, 1, waves_[i].stiffness,
-                                              with_mass ? &waves_[i].mass : nullptr, as_int(i - first));
+    const double most = kBeyondCut * asked_for_ * asked_for_;
+    const bool may_expand = std::abs(lambda) <= most;
+    if (may_expand && std::abs(lambda) > expanded_to_ && ++direct_ > kDirect) {
+        for_each_slot([&](size_t slot, const LineWaves& waves, int count, int index) {
+            expansions_[slot] = waves.expand(count, most, index);
+        });
+        expanded_to_ = most;
+        direct_ = 0;
     }
+    for_each_slot([&](size_t slot, const LineWaves& waves, int count, int index) {
+        auto& [stiffness, mass] = waves_[slot];
+        if (std::abs(lambda) <= expanded_to_ && expansions_[slot])
+            waves.evaluate(*expansions_[slot], lambda, stiffness, with_mass ? &mass : nullptr);
+        else
+            waves.evaluate<double>(count, lambda, 1, stiffness, with_mass ? &mass : nullptr, index);
+    });
 }
 
 void DynamicStiffness::assemble() {

@@ -87,6 +87,10 @@ public:
         return first_slot_[own.kind] + (own.waves->is_graded() ? as_size(piece.index) : 0);
     }
     size_t slot_count() const { return waves_.size(); }
+    /// Of the pieces of a line, which stand in a row.
+    std::vector<Piece>::const_iterator first_piece(const LineModel& line) const {
+        return pieces_.begin() + first_piece_[static_cast<size_t>(&line - model_.lines.data())];
+    }
     /// Pieces of a line, and their length [m].
     int count(const LineModel& line) const { return counts_[line.kind]; }
     double piece_length(const LineModel& line) const { return line.length() / count(line); }
@@ -113,6 +117,13 @@ private:
     void add_piece(Piece piece, const Vector3& start, const Vector3& finish);
     void build();
     void evaluate_waves(double lambda, bool with_mass);
+    template <class Body>
+    void for_each_slot(const Body& body) const {
+        for (size_t k = 0; k < model_.kinds.size(); ++k)
+            for (size_t slot = first_slot_[k], end = k + 1 < first_slot_.size() ? first_slot_[k + 1] : waves_.size();
+                 slot < end; ++slot)
+                body(slot, *model_.kinds[k], counts_[k], as_int(slot - first_slot_[k]));
+    }
     void assemble();
     void hold_idle();
     int link_count() const { return as_int(model_.bonds.size() + pieces_.size() + model_.pins.size()); }
@@ -126,12 +137,16 @@ private:
     std::vector<Point> points_;
     std::vector<Piece> pieces_;
     std::vector<FrequencyModel::Mass> bar_masses_;
-    std::vector<int> counts_;  ///< of pieces of a line of each kind
-    bool is_cut_ = false;      ///< into these
+    std::vector<std::ptrdiff_t> first_piece_;  ///< by line
+    std::vector<int> counts_;                  ///< of pieces of a line of each kind
+    bool is_cut_ = false;                      ///< into these
     int cuts_ = 0;
     double cut_for_ = 0;
-    std::vector<Waves> waves_;        ///< by slot()
-    std::vector<size_t> first_slot_;  ///< of each kind
+    std::vector<Waves> waves_;                                     ///< by slot()
+    std::vector<std::optional<LineWaves::Expansion>> expansions_;  ///< by slot()
+    double asked_for_ = 0, expanded_to_ = 0;  ///< ω of the last cut [rad/s], |λ| of the expansions [1/s²]
+    int direct_ = 0;                          ///< evaluations that these could have spared
+    std::vector<size_t> first_slot_;          ///< of each kind
     std::optional<Elimination> elimination_;
     double lambda_ = 0;
     double none_below_ = -std::numeric_limits<double>::infinity();  ///< the largest λ known to have no frequency below it

@@ -29,6 +29,18 @@ Matrix6 mass_block(double mass, const Matrix3& inertia) {
     return block;
 }
 
+/// Axial forces of a load factor that no section bears: EA presses a line to no length, GA pulls it into a sideways snap
+/// that only the linear law has.
+void refuse_beyond_section(const LineWaves::Axial& axial, const Section& section) {
+    const double shear = std::min(section.GAy, section.GAz),
+                 most = is_given(shear) ? std::min(shear, section.EA) : section.EA;
+    for (const double force : axial)
+        if (force > most || -force > section.EA)
+            throw Error(DTTMM_ERROR_NUMERIC,
+                        fmt::format("its axial force of {:.3g} N is beyond its {} of {:.3g} N", force,
+                                    force > most && most < section.EA ? "GA" : "EA", force > most ? most : section.EA));
+}
+
 }  // namespace
 
 FrequencyAssembly::FrequencyAssembly(FrequencyModel& model, const dttmm_modal_model& description, const AtRest* rest)
@@ -280,6 +292,7 @@ void FrequencyAssembly::add_resting_line(const LineSpec& spec) {
     const bool is_bar = spec.line.stretches_only;
     const Vector3 along = spec.line.axes.col(0);
     const LineWaves::Axial axial = {forces.first().head<3>().dot(along), forces.last().head<3>().dot(along)};
+    if (description_.rest->factor > 1) refuse_beyond_section(axial, section);
     const int from = frame_of_[as_size(spec.from)], to = frame_of_[as_size(spec.to)],
               by_forces = is_bar ? 1 : forces.pieces(section);
     int count = from == to ? std::max(2, by_forces) : by_forces;

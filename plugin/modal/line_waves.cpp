@@ -8,6 +8,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <type_traits>
+#include <utility>
 
 #include "core/error.h"
 #include "core/index.h"
@@ -17,8 +20,6 @@
 namespace dttmm::plugin {
 
 namespace {
-
-using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 12>;
 
 /// Bending planes: the deflection and the rotation that goes with it.
 constexpr std::array kPlanes = {std::pair<size_t, size_t>{1, 5}, std::pair<size_t, size_t>{2, 4}};
@@ -91,50 +92,129 @@ Square exponential_alone(Square X) {
     return E;
 }
 
-/// Of blocks of one to six directions, those of one and two by their cofactors.
-template <class Block>
-Block inverse_of_block(const Block& block) {
-    using Scalar = typename Block::Scalar;
-    Block inverse(block.rows(), block.cols());
-    if (block.rows() == 1)
-        inverse(0, 0) = Scalar(1) / block(0, 0);
-    else if (block.rows() == 2)
-        inverse = Eigen::Matrix<Scalar, 2, 2>(block).inverse();
-    else
-        inverse = block.fullPivLu().inverse();
-    return inverse;
+template <class Square>
+double norm_of(const Square& block) {
+    return block.cwiseAbs().colwise().sum().maxCoeff();
 }
 
-/// The same of blocks of one, two, .. six directions, each worked out at its own size.
-template <class Scalar, int kSize>
-void exponential_in(const LineWaves::Block<Scalar>& X, const LineWaves::Block<Scalar>& Y, bool with_derivative,
-                    LineWaves::Block<Scalar>& E, LineWaves::Block<Scalar>& D) {
-    if (!with_derivative) {
-        E = exponential_alone<Eigen::Matrix<Scalar, kSize, kSize>>(X);
+/// Carries states Σ y[j] λʲ from x = 0 to 1, λ counted from that of the equations, by the power series y = Σ yₖ xᵏ,
+///     k yₖ[j] = S₀ yₖ₋₁[j] + S₁ yₖ₋₂[j] + S₂ yₖ₋₃[j] + S_λ yₖ₋₁[j−1].
+/// size: of all S together; over halves where it is so large that terms cancel.
+template <class Square, class States, size_t count_of_powers>
+void carry_over(const LineEquations<Square>& equations, double size, std::array<States, count_of_powers>& y) {
+    constexpr double kLargest = 4;
+    constexpr unsigned kMostTerms = 40;  // the next is 4^41/41! = 1e-25
+    if (size > kLargest) {
+        for (const double from : {0., 0.5}) carry_over(equations.half(from), size / 2, y);
         return;
     }
-    Eigen::Matrix<Scalar, kSize, kSize> exponential, derivative;
-    exponential_of<Eigen::Matrix<Scalar, kSize, kSize>>(X, Y, exponential, derivative);
-    E = exponential;
-    D = derivative;
+    using Scalar = typename States::Scalar;
+    using Rows = Eigen::Matrix<Scalar, States::RowsAtCompileTime, States::ColsAtCompileTime,
+                               States::ColsAtCompileTime == 1 ? Eigen::ColMajor : Eigen::RowMajor,
+                               States::MaxRowsAtCompileTime, States::MaxColsAtCompileTime>;
+    // Most entries are zero
+    struct Entry {
+        unsigned back;
+        Eigen::Index row, column;
+        Scalar value;
+    };
+    std::array<Entry, 4 * size_t{Square::MaxSizeAtCompileTime}> entries;
+    size_t count = 0;
+    const auto list = [&](const Square& block, unsigned back) {
+        for (Eigen::Index i = 0; i < block.rows(); ++i)
+            for (Eigen::Index j = 0; j < block.cols(); ++j)
+                if (block(i, j) != Scalar(0)) entries[count++] = {back, i, j, block(i, j)};
+    };
+    for (const unsigned back : {0u, 1u, 2u}) list(equations.S[back], back);
+    const size_t without_lambda = count;
+    if (y.size() > 1) list(equations.by_lambda, 0);
+    struct Power {
+        std::array<Rows, 4> terms;  ///< yₖ at k modulo 4
+        Rows sum;
+    };
+    std::array<Power, count_of_powers> powers;
+    const Rows zero = Rows::Zero(y[0].rows(), y[0].cols());
+    size_t reached = 0;
+    for (size_t j = 0; j < y.size(); ++j) {
+        powers[j] = {{y[j], zero, zero, zero}, y[j]};
+        if (!y[j].isZero(0)) reached = j;
+    }
+    for (unsigned k = 1, idle = 0; k <= kMostTerms && idle < 3; ++k) {
+        const auto add_product = [&](size_t from, size_t to, const Power& of, Rows& next) {
+            for (size_t e = from; e < to; ++e) {
+                const auto& [back, row, column, value] = entries[e];
+                next.row(row) += value * of.terms[(k - 1 - back) % 4].row(column);
+            }
+        };
+        bool changes = false;
+        if constexpr (count_of_powers > 1)
+            if (reached + 1 < count_of_powers) {  // higher powers are not felt where the last is not
+                Rows most = zero;
+                for (size_t j = 0; j < count_of_powers && j < reached; ++j) most += powers[j].sum.cwiseAbs();
+                changes = most + powers[reached].sum.cwiseAbs() != most;
+                if (changes) ++reached;
+            }
+        for (size_t j = 0; j < count_of_powers && j <= reached; ++j) {
+            auto& [terms, sum] = powers[j];
+            Rows& next = terms[k % 4] = zero;
+            add_product(0, without_lambda, powers[j], next);
+            if (j > 0) add_product(without_lambda, count, powers[j - 1], next);
+            next *= 1.0 / k;
+            const Rows before = sum;
+            sum += next;
+            changes = changes || sum != before;
+        }
+        idle = changes ? 0 : idle + 1;
+    }
+    for (size_t j = 0; j < y.size(); ++j) y[j] = powers[j].sum;
+}
+
+/// The exponential, each of six sizes worked out at its own.
+template <class Scalar, int kSize>
+void exponential_in(const LineEquations<LineWaves::Block<Scalar>>& equations, bool with_derivative,
+                    LineWaves::Block<Scalar>& U, LineWaves::Block<Scalar>& by_lambda) {
+    using Square = Eigen::Matrix<Scalar, kSize, kSize>;
+    if (!with_derivative) {
+        U = exponential_alone<Square>(equations.S[0]);
+        return;
+    }
+    Square exponential, derivative;
+    exponential_of<Square>(equations.S[0], equations.by_lambda, exponential, derivative);
+    U = exponential;
+    by_lambda = derivative;
 }
 template <class Scalar>
-void exponential(const LineWaves::Block<Scalar>& X, const LineWaves::Block<Scalar>& Y, bool with_derivative,
-                 LineWaves::Block<Scalar>& E, LineWaves::Block<Scalar>& D) {
-    switch (X.rows()) {
-        case 2:
-            return exponential_in<Scalar, 2>(X, Y, with_derivative, E, D);
-        case 4:
-            return exponential_in<Scalar, 4>(X, Y, with_derivative, E, D);
+void exponential(const LineEquations<LineWaves::Block<Scalar>>& equations, bool with_derivative, LineWaves::Block<Scalar>& U,
+                 LineWaves::Block<Scalar>& by_lambda) {
+    switch (equations.by_lambda.rows()) {
         case 6:
-            return exponential_in<Scalar, 6>(X, Y, with_derivative, E, D);
+            return exponential_in<Scalar, 6>(equations, with_derivative, U, by_lambda);
         case 8:
-            return exponential_in<Scalar, 8>(X, Y, with_derivative, E, D);
+            return exponential_in<Scalar, 8>(equations, with_derivative, U, by_lambda);
         case 10:
-            return exponential_in<Scalar, 10>(X, Y, with_derivative, E, D);
+            return exponential_in<Scalar, 10>(equations, with_derivative, U, by_lambda);
         default:
-            exponential_in<Scalar, 12>(X, Y, with_derivative, E, D);
+            exponential_in<Scalar, 12>(equations, with_derivative, U, by_lambda);
     }
+}
+template <class Square>
+void exponential(const LineEquations<Square>& equations, bool with_derivative, Square& U, Square& by_lambda) {
+    if (with_derivative)
+        exponential_of(equations.S[0], equations.by_lambda, U, by_lambda);
+    else
+        U = exponential_alone(equations.S[0]);
+}
+
+/// Calls with the number of directions of a group, one and two as constants: most groups are an axial or torsional wave or a
+/// bending plane.
+template <class Call>
+void with_size(size_t directions, const Call& call) {
+    if (directions == 1)
+        call(std::integral_constant<int, 1>());
+    else if (directions == 2)
+        call(std::integral_constant<int, 2>());
+    else
+        call(std::integral_constant<int, Eigen::Dynamic>());
 }
 
 }  // namespace
@@ -228,64 +308,150 @@ bool LineWaves::is_mirror(const Group& one, const Group& other) {
            one.M(0, 1) == 0 && one.M(1, 0) == 0 && one.A == -other.A;
 }
 
-/// U of a group over s in its units, where a deflection counts in lengths of s and forces as what bends, or shears, by a
-/// radian on s.
-template <class Scalar>
-LineWaves::Waves<Scalar> LineWaves::waves(const Group& group, double start, double s, Scalar lambda, Scalar stiffening,
-                                          bool with_derivative) const {
-    const auto n = as_row(group.directions.size());
-    Waves<Scalar> waves;
-    waves.unit_d = group.unit_d;
-    waves.unit_n = group.unit_n;
-    for (Eigen::Index k = 0; k < n; ++k) {
+double LineWaves::scale(const Group& group, double start, double s, double lambda) const {
+    const double force = std::max(std::abs(axial_at(start)), std::abs(axial_at(start + s)));
+    double most = 1 / s;  // of wave numbers
+    for (Eigen::Index k = 0; k < as_row(group.directions.size()); ++k) {
+        const double mass = lambda * group.M(k, k);
+        const int direction = group.directions[as_size(k)];
+        most = std::max(most, std::sqrt(mass * group.C(k)));
+        if (direction > 3) most = std::max(most, std::sqrt(force * group.C(k)));
+        for (Eigen::Index r = 0; r < as_row(group.directions.size()); ++r)
+            if (direction + group.directions[as_size(r)] == 6 && (direction == 1 || direction == 2))
+                most = std::max(most, std::pow(mass * group.C(r), 0.25));
+    }
+    return 1 / most;
+}
+
+/// Over s, in units in which deflections count in a length,  and forces as what bends, or shears, by a radian on
+/// that.
+template <class Scalar, int n>
+LineEquations<LineWaves::Whole<Scalar, n>> LineWaves::equations_of(const Group& group, double start, double s, Scalar lambda,
+                                                                   Scalar stiffening, double length, Numbers<n>& ud,
+                                                                   Numbers<n>& un) const {
+    using Real = Part<double, n>;
+    using States = Whole<Scalar, n>;
+    const auto size = as_row(group.directions.size());
+    ud = group.unit_d;
+    un = group.unit_n;
+    for (Eigen::Index k = 0; k < size; ++k) {
         const int d = group.directions[as_size(k)];
-        if (d < 3) waves.unit_d(k) = s;
-        if (d >= 3) waves.unit_n(k) /= s;
-        if (d == 1 || d == 2) waves.unit_n(k) = 1 / (s * s / group.unit_n(k) + group.C(k));
+        if (d < 3) ud(k) = length;
+        if (d >= 3) un(k) /= length;
+        if (d == 1 || d == 2) un(k) = 1 / (length * length / un(k) + group.C(k));
     }
-    const auto &ud = waves.unit_d, &un = waves.unit_n;
-    const auto of_d = [&](const Block<double>& by_d) {
-        return Matrix(s * (ud.cwiseInverse().asDiagonal() * by_d * ud.asDiagonal()));
+    const auto in_units = [&](const Group::Few& by_d, const Numbers<n>& unit) {
+        return Real(s * (unit.cwiseInverse().asDiagonal() * Real(by_d) * ud.asDiagonal()));
     };
-    const auto of_n = [&](const Block<double>& by_d) {
-        return Matrix(s * (un.cwiseInverse().asDiagonal() * by_d * ud.asDiagonal()));
-    };
-    const bool has_axial = (axial_[0] != 0 || axial_[1] != 0) && !group.G_by_N.isZero(0);
     // Of n: −Aᵀ
-    const Column between = un.cwiseProduct(ud), back = between.cwiseInverse();
-    const auto minus_At = [&](const Matrix& A) {
-        return Matrix(back.asDiagonal() * (-A.transpose()) * between.asDiagonal());
+    const Numbers<n> between = un.cwiseProduct(ud), back = between.cwiseInverse();
+    const auto minus_At = [&](const Real& A) { return Real(back.asDiagonal() * (-A.transpose()) * between.asDiagonal()); };
+    const auto corner = [&](States& of, int row, int column) {
+        return of.template block<n, n>(row * size, column * size, size, size);
     };
-    const double middle = axial_at(start + 0.5 * s);
-    Matrix A = of_d(group.A), A_by_N, G_by_N, G_by_N2;
-    if (has_axial) {
-        A_by_N = of_d(group.A_by_N);
-        G_by_N = of_n(group.G_by_N);
-        G_by_N2 = of_n(group.G_by_N2);
-        A += middle * A_by_N;
+    const Real A = in_units(group.A, ud), M = in_units(group.M, un);
+    const Numbers<n> C = s * ud.cwiseInverse().cwiseProduct(Numbers<n>(group.C)).cwiseProduct(un);
+    LineEquations<States> equations;
+    for (States* S : {&equations.S[0], &equations.S[1], &equations.S[2], &equations.by_lambda})
+        S->setZero(2 * size, 2 * size);
+    States& S = equations.S[0];
+    corner(S, 0, 0) = A.template cast<Scalar>();
+    corner(S, 0, 1).diagonal() = C.template cast<Scalar>() / stiffening;
+    corner(S, 1, 0) = -lambda * M.template cast<Scalar>();
+    corner(S, 1, 1) = minus_At(A).template cast<Scalar>();
+    corner(equations.by_lambda, 1, 0) = -M.template cast<Scalar>();
+    if ((axial_[0] != 0 || axial_[1] != 0) && !group.G_by_N.isZero(0)) {
+        const double N = axial_at(start), rise = is_graded() ? axial_at(start + s) - N : 0;
+        const Real A_by_N = in_units(group.A_by_N, ud), G_by_N = in_units(group.G_by_N, un),
+                   G_by_N2 = in_units(group.G_by_N2, un);
+        const auto add = [&](States& to, double to_A, const Real& G) {
+            corner(to, 0, 0) += (to_A * A_by_N).template cast<Scalar>();
+            corner(to, 1, 0) += G.template cast<Scalar>();
+            corner(to, 1, 1) += (to_A * minus_At(A_by_N)).template cast<Scalar>();
+        };
+        add(S, N, N * G_by_N + N * N * G_by_N2);
+        add(equations.S[1], rise, rise * G_by_N + 2 * N * rise * G_by_N2);
+        add(equations.S[2], 0, rise * rise * G_by_N2);
     }
-    const Matrix C = s * (ud.cwiseInverse().cwiseProduct(group.C).cwiseProduct(un)).asDiagonal().toDenseMatrix();
-    const Matrix M = s * (un.cwiseInverse().asDiagonal() * group.M * ud.asDiagonal());
-    Block<Scalar> S = Block<Scalar>::Zero(2 * n, 2 * n), by_lambda = S;
-    S.topLeftCorner(n, n) = A.template cast<Scalar>();
-    S.topRightCorner(n, n) = C.template cast<Scalar>() / stiffening;
-    S.bottomLeftCorner(n, n) = -lambda * M.template cast<Scalar>();
-    if (has_axial) S.bottomLeftCorner(n, n) += Matrix(middle * G_by_N + middle * middle * G_by_N2).template cast<Scalar>();
-    S.bottomRightCorner(n, n) = minus_At(A).template cast<Scalar>();
-    by_lambda.bottomLeftCorner(n, n) = -M.template cast<Scalar>();
-    if (has_axial && is_graded()) {
-        const double rise = axial_at(start + s) - axial_at(start);
-        // Of G, a parabola, the mean
-        S.bottomLeftCorner(n, n) += Matrix(rise * rise / 12 * G_by_N2).template cast<Scalar>();
-        const Matrix A_rise = rise * A_by_N;
-        Block<Scalar> change = Block<Scalar>::Zero(2 * n, 2 * n);
-        change.topLeftCorner(n, n) = A_rise.template cast<Scalar>();
-        change.bottomLeftCorner(n, n) = Matrix(rise * G_by_N + 2 * middle * rise * G_by_N2).template cast<Scalar>();
-        change.bottomRightCorner(n, n) = minus_At(A_rise).template cast<Scalar>();
-        S += (change * S - S * change).eval() / 12.0;
-        if (with_derivative) by_lambda += (change * by_lambda - by_lambda * change).eval() / 12.0;
+    return equations;
+}
+
+template <class Scalar, int n>
+LineWaves::Waves<Scalar, n> LineWaves::waves(const Group& group, double start, double s, Scalar lambda, Scalar stiffening,
+                                             bool with_derivative) const {
+    Waves<Scalar, n> waves;
+    const auto equations = equations_of<Scalar, n>(group, start, s, lambda, stiffening,
+                                                   scale(group, start, s, std::abs(lambda)), waves.unit_d, waves.unit_n);
+    if (equations.S[1].isZero(0)) {
+        exponential(equations, with_derivative, waves.U, waves.by_lambda);
+        return waves;
     }
-    exponential(S, by_lambda, with_derivative, waves.U, waves.by_lambda);
+    const auto size = equations.by_lambda.rows();
+    using States = Whole<Scalar, n>;
+    const States one = States::Identity(size, size);
+    if (with_derivative) {
+        std::array<States, 2> y{one, States::Zero(size, size)};
+        carry_over(equations, equations.size(), y);
+        waves.U = y[0];
+        waves.by_lambda = y[1];
+    } else {
+        std::array<States, 1> y{one};
+        carry_over(equations, equations.size(), y);
+        waves.U = y[0];
+    }
+    return waves;
+}
+
+std::optional<LineWaves::Expansion> LineWaves::expand(int count, double largest, int index) const {
+    const double s = length_ / count;
+    Expansion expansion{largest, s, {}};
+    bool is_possible = true;
+    for (const Group& group : groups_) {
+        Expansion::OfGroup& own = expansion.groups.emplace_back();
+        if (group.mirror >= 0 || group.directions.size() == 1) continue;
+        with_size(group.directions.size(), [&]<int n>(std::integral_constant<int, n>) {
+            using States = Whole<double, n>;
+            Numbers<n> unit_d, unit_n;
+            auto equations =
+                equations_of<double, n>(group, index * s, s, 0, 1, scale(group, index * s, s, largest), unit_d, unit_n);
+            equations.by_lambda *= largest;
+            const auto size = equations.by_lambda.rows();
+            std::array<States, kPowers> powers;
+            powers.fill(States::Zero(size, size));
+            powers[0].setIdentity();
+            carry_over(equations, equations.size() + norm_of(equations.by_lambda), powers);
+            // Up to the last that is felt
+            States most = States::Zero(size, size);
+            size_t felt = 0;
+            for (size_t j = 0; j < kPowers; ++j) {
+                const States more = most + powers[j].cwiseAbs();
+                if (more != most) felt = j;
+                most = more;
+            }
+            is_possible = is_possible && felt + 1 < kPowers;
+            own.powers = felt + 1;
+            own.unit_d = unit_d;
+            own.unit_n = unit_n;
+            for (size_t j = 0; j <= felt; ++j) own.U.insert(own.U.end(), powers[j].data(), powers[j].data() + size * size);
+        });
+    }
+    return is_possible ? std::optional(std::move(expansion)) : std::nullopt;
+}
+
+/// By Horner's rule.
+template <int n>
+LineWaves::Waves<double, n> LineWaves::waves(const Expansion::OfGroup& own, double share, bool with_derivative) {
+    const auto size = 2 * own.unit_d.size();
+    Waves<double, n> waves;
+    waves.unit_d = own.unit_d;
+    waves.unit_n = own.unit_n;
+    waves.U.setZero(size, size);
+    waves.by_lambda.setZero(size, size);
+    for (size_t j = own.powers; j-- > 0;) {
+        if (with_derivative) waves.by_lambda = (share * waves.by_lambda + waves.U).eval();
+        waves.U = (share * waves.U + Eigen::Map<const Whole<double, n>>(own.U.data() + j * as_size(size * size), size, size))
+                      .eval();
+    }
     return waves;
 }
 
@@ -334,29 +500,36 @@ int LineWaves::pieces(double omega, int most) const {
     // Share of λ: at the frequency of a held bar its stiffness is infinite, with 2 it is -1.7 times that at rest. With 1.05
     // to 4, 59 random machines, the hydroplane and the headstock have the same frequencies to 3e-10, in the same time.
     constexpr double kMargin = 2;
-    // An axial force that varies by v EI/length² leaves at most 0.0055 v/count⁴ of a frequency: cantilevers and bars between
-    // pins, v = 0.1 to 900, in 1 to 16 pieces.
-    // That is kept below 1e-6, and below 5e-8 where few pieces do it: many short ones show the rounding of stiff lines.
-    constexpr double kGraded = 0.0055 / 1e-6, kFinely = 0.0055 / 5e-8, kFew = 20;
-    double count = std::max(1.0, std::ceil(length_ / longest_held(kMargin * omega * omega)));
-    for (const Group& group : groups_) {
-        for (size_t k = 0; k < group.directions.size(); ++k)
-            if (group.directions[k] > 3) {
-                const double varies = std::abs(axial_[1] - axial_[0]) * length_ * length_ * group.C(as_row(k));
-                count = std::max({count, std::ceil(std::pow(kGraded * varies, 0.25)),
-                                  std::min(kFew, std::ceil(std::pow(kFinely * varies, 0.25)))});
-            }
-    }
+    const double count = std::max(1.0, std::ceil(length_ / longest_held(kMargin * omega * omega)));
     return static_cast<int>(std::min(count, most + 1.0));
 }
 
 template <class Scalar>
 void LineWaves::evaluate(int count, Scalar lambda, Scalar stiffening, Square<Scalar>& stiffness, Square<Scalar>* mass,
                          int index) const {
+    const double s = length_ / count;
+    evaluate_groups<Scalar>(stiffness, mass, [&]<int n>(size_t g, std::integral_constant<int, n>) {
+        return waves<Scalar, n>(groups_[g], index * s, s, lambda, stiffening, mass != nullptr);
+    });
+}
+
+void LineWaves::evaluate(const Expansion& expansion, double lambda, Matrix12& stiffness, Matrix12* mass) const {
+    evaluate_groups<double>(stiffness, mass, [&]<int n>(size_t g, std::integral_constant<int, n>) {
+        const Expansion::OfGroup& own = expansion.groups[g];
+        if (own.powers == 0) return waves<double, n>(groups_[g], 0, expansion.length, lambda, 1, mass != nullptr);
+        Waves<double, n> waves = LineWaves::waves<n>(own, lambda / expansion.largest, mass != nullptr);
+        waves.by_lambda /= expansion.largest;
+        return waves;
+    });
+}
+
+/// waves_of: of the group of a number, n as a constant.
+template <class Scalar, class WavesOf>
+void LineWaves::evaluate_groups(Square<Scalar>& stiffness, Square<Scalar>* mass, const WavesOf& waves_of) const {
     stiffness.setZero();
     if (mass) mass->setZero();
-    for (const Group& group : groups_) {
-        const auto n = as_row(group.directions.size());
+    for (size_t g = 0; g < groups_.size(); ++g) {
+        const Group& group = groups_[g];
         if (group.mirror >= 0) {
             const std::vector<int>& other = groups_[as_size(group.mirror)].directions;
             const auto at = [](const std::vector<int>& directions, size_t k) { return directions[k % 2] + (k < 2 ? 0 : 6); };
@@ -368,52 +541,74 @@ void LineWaves::evaluate(int count, Scalar lambda, Scalar stiffening, Square<Sca
                                 ((i + j) % 2 == 0 ? 1.0 : -1.0) * (*into)(at(other, i), at(other, j));
             continue;
         }
-        const Waves<Scalar> w =
-            waves<Scalar>(group, index * length_ / count, length_ / count, lambda, stiffening, mass != nullptr);
-        const Block<Scalar> Udd = w.U.topLeftCorner(n, n), Unn = w.U.bottomRightCorner(n, n);
-        const Block<Scalar> W = inverse_of_block<Block<Scalar>>(w.U.topRightCorner(n, n));
-        // n0 = W (d1 − Udd d0),  n1 = Und d0 + Unn n0; on the piece act −n0 and n1
-        Eigen::Matrix<int, Eigen::Dynamic, 1, 0, 12, 1> at(2 * n);
-        for (Eigen::Index k = 0; k < n; ++k) {
-            at(k) = group.directions[as_size(k)];
-            at(n + k) = 6 + at(k);
-        }
-        const auto store = [&](const Block<Scalar>& start, const Block<Scalar>& across, const Block<Scalar>& end,
-                               double sign, Square<Scalar>& into) {
-            Block<Scalar> all(2 * n, 2 * n);
-            all << start, across, across.transpose(), end;
-            const Column un = w.unit_n.replicate(2, 1), ud = w.unit_d.replicate(2, 1).cwiseInverse();
-            // In units: the upper right block is taken, its transpose would have the units of the other side
-            Block<Scalar> scaled = un.asDiagonal() * all * ud.asDiagonal();
-            scaled.bottomLeftCorner(n, n) = scaled.topRightCorner(n, n).transpose();
-            scaled = (0.5 * sign * (scaled + scaled.transpose())).eval();
-            for (Eigen::Index i = 0; i < 2 * n; ++i)
-                for (Eigen::Index j = 0; j < 2 * n; ++j) into(at(i), at(j)) = scaled(i, j);
-        };
-        store(W * Udd, -W, Unn * W, 1, stiffness);
-        if (!mass) continue;
-        const Block<Scalar> dUdd = w.by_lambda.topLeftCorner(n, n), dUnn = w.by_lambda.bottomRightCorner(n, n);
-        const Block<Scalar> dW = -W * w.by_lambda.topRightCorner(n, n) * W;
-        store(dW * Udd + W * dUdd, -dW, dUnn * W + Unn * dW, -1, *mass);
+        with_size(group.directions.size(), [&]<int n>(std::integral_constant<int, n> constant) {
+            add_group<Scalar, n>(group, waves_of(g, constant), stiffness, mass);
+        });
     }
 }
 
-Matrix12 LineWaves::transfer(double lambda, double s, double start) const {
-    Matrix12 U = Matrix12::Identity();
-    if (!(s > 0)) return U;
-    for (const Group& group : groups_) {
-        const auto n = as_row(group.directions.size());
-        const Waves<double> w = waves<double>(group, start, s, lambda, 1, false);
-        Column unit(2 * n);
-        unit << w.unit_d, w.unit_n;
-        const Matrix own = unit.asDiagonal() * w.U * unit.cwiseInverse().asDiagonal();
-        for (Eigen::Index i = 0; i < 2 * n; ++i)
-            for (Eigen::Index j = 0; j < 2 * n; ++j) {
-                const auto at = [&](Eigen::Index k) { return group.directions[as_size(k % n)] + (k < n ? 0 : 6); };
-                U(at(i), at(j)) = own(i, j);
+template <class Scalar, int n>
+void LineWaves::add_group(const Group& group, const Waves<Scalar, n>& w, Square<Scalar>& stiffness, Square<Scalar>* mass) {
+    using Own = Part<Scalar, n>;
+    const auto size = as_row(group.directions.size());
+    const auto corner = [&](const Whole<Scalar, n>& of, int row, int column) {
+        return Own(of.template block<n, n>(row * size, column * size, size, size));
+    };
+    const Own Udd = corner(w.U, 0, 0), Unn = corner(w.U, 1, 1), Udn = corner(w.U, 0, 1);
+    Own W;
+    if constexpr (n > 0)
+        W = Udn.inverse();  // by cofactors
+    else
+        W = Udn.fullPivLu().inverse();
+    // n0 = W (d1 − Udd d0),  n1 = Und d0 + Unn n0; on the piece act −n0 and n1
+    const auto store = [&](const Own& first, const Own& across, const Own& end, double sign, Square<Scalar>& into) {
+        const auto scaled = [&](const Own& part) {
+            return Own(w.unit_n.asDiagonal() * part * w.unit_d.cwiseInverse().asDiagonal());
+        };
+        // The upper right block is taken, its transpose would have the units of the other side
+        const Own here = scaled(first), between = scaled(across), there = scaled(end);
+        for (Eigen::Index i = 0; i < size; ++i)
+            for (Eigen::Index j = 0; j < size; ++j) {
+                const int k = group.directions[as_size(i)], l = group.directions[as_size(j)];
+                into(k, l) = 0.5 * sign * (here(i, j) + here(j, i));
+                into(6 + k, 6 + l) = 0.5 * sign * (there(i, j) + there(j, i));
+                into(k, 6 + l) = into(6 + l, k) = sign * between(i, j);
             }
-    }
-    return U;
+    };
+    store(W * Udd, -W, Unn * W, 1, stiffness);
+    if (!mass) return;
+    const Own dUdd = corner(w.by_lambda, 0, 0), dUnn = corner(w.by_lambda, 1, 1), dW = -W * corner(w.by_lambda, 0, 1) * W;
+    store(dW * Udd + W * dUdd, -dW, dUnn * W + Unn * dW, -1, *mass);
+}
+
+template <int k>
+Eigen::Matrix<double, 12, k> LineWaves::carried(Eigen::Matrix<double, 12, k> states, double lambda, double s,
+                                                double start) const {
+    if (!(s > 0)) return states;
+    for (const Group& group : groups_)
+        with_size(group.directions.size(), [&]<int n>(std::integral_constant<int, n>) {
+            const auto size = as_row(group.directions.size());
+            Numbers<n> unit_d, unit_n;
+            const auto equations = equations_of<double, n>(group, start, s, lambda, 1,
+                                                           scale(group, start, s, std::abs(lambda)), unit_d, unit_n);
+            using Own = Eigen::Matrix<double, kTwice<n>, k, 0, 2 * kMost<n>, k>;
+            std::array<Own, 1> y{Own(2 * size, k)};
+            Own& own = y[0];
+            const auto row = [&](Eigen::Index i) { return group.directions[as_size(i % size)] + (i < size ? 0 : 6); };
+            const auto unit = [&](Eigen::Index i) { return i < size ? unit_d(i) : unit_n(i - size); };
+            for (Eigen::Index i = 0; i < 2 * size; ++i) own.row(i) = states.row(row(i)) / unit(i);
+            carry_over(equations, equations.size(), y);
+            for (Eigen::Index i = 0; i < 2 * size; ++i) states.row(row(i)) = own.row(i) * unit(i);
+        });
+    return states;
+}
+
+Vector12 LineWaves::carry(const Vector12& state, double lambda, double s, double start) const {
+    return carried<1>(state, lambda, s, start);
+}
+
+Matrix12 LineWaves::transfer(double lambda, double s, double start) const {
+    return carried<12>(Matrix12::Identity(), lambda, s, start);
 }
 
 LineShapes LineWaves::static_shapes() const {

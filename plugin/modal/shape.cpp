@@ -40,13 +40,12 @@ Vector12 state_at_start(const DynamicStiffness& D, const DynamicStiffness::Piece
 }  // namespace
 
 Vector6 motion_along(const DynamicStiffness& D, const LineModel& line, const FrameVector& u, double s) {
-    const auto index = static_cast<size_t>(&line - D.model().lines.data());
-    const auto first = std::ranges::find_if(D.pieces(), [&](const auto& piece) { return piece.line == index; });
+    const auto first = D.first_piece(line);
     const double piece_length = D.piece_length(line);
     const int i = std::min(D.count(line) - 1, static_cast<int>(s / piece_length));
     const double from_start = s - i * piece_length;
     const Vector12 start = state_at_start(D, *(first + i), u);
-    Vector6 local = (line.waves->transfer(D.lambda(), from_start, i * piece_length) * start).head<6>();
+    Vector6 local = line.waves->carry(start, D.lambda(), from_start, i * piece_length).head<6>();
     if (D.model().is_bar(line)) local.segment<3>(1) += from_start * Vector3(start(5), -start(4), 0);
     const double share = s / line.length();
     for (Eigen::Index d : {1, 2})  // straight between pins
@@ -138,7 +137,7 @@ std::vector<Station> stations(const DynamicStiffness& D, const FrameVector& u) {
     std::vector<Station> list;
     for (size_t b = 0; b < model.centres.size(); ++b) list.push_back({model.centres[b], model.by_centre(as_int(b)) * u[b]});
     for (size_t n = 0; n < model.nodes.size(); ++n) list.push_back({model.nodes[n].position, model.node_motion(n, u)});
-    std::vector<std::vector<Matrix12>> transfers(D.slot_count());  // from station to station
+    std::vector<std::optional<Matrix12>> transfers(D.slot_count());  // from station to station, of equal pieces
     for (const DynamicStiffness::Piece& piece : D.pieces()) {
         const LineModel& line = D.line(piece);
         const LineWaves& waves = *line.waves;
@@ -149,12 +148,14 @@ std::vector<Station> stations(const DynamicStiffness& D, const FrameVector& u) {
                 ? std::clamp(static_cast<int>(kStations * length / waves.longest_held(D.lambda())) + 1, 1, kStations)
                 : kStations;
         const double step = length / count;
-        std::vector<Matrix12>& to = transfers[D.slot(piece)];
-        for (int k = as_int(to.size()); k < (waves.is_graded() ? count : 1); ++k)
-            to.push_back(waves.transfer(D.lambda(), step, piece.index * length + k * step));
+        std::optional<Matrix12>& to = transfers[D.slot(piece)];
+        if (!waves.is_graded() && !to) to = waves.transfer(D.lambda(), step);
         Vector12 state = state_at_start(D, piece, u);
         for (int k = 1; k <= count; ++k) {
-            state = (to[waves.is_graded() ? as_size(k - 1) : 0] * state).eval();
+            if (waves.is_graded())
+                state = waves.carry(state, D.lambda(), step, piece.index * length + (k - 1) * step);
+            else
+                state = (*to * state).eval();
             const double s = (piece.index * count + k) * step;
             list.push_back({line.start + s * line.axes.col(0), both(line.axes) * state.head<6>()});
         }

@@ -1922,6 +1922,64 @@ force = {}
     EXPECT_NEAR(found[0], exact, 3e-5 * exact);
 }
 
+/// A bar between pins along an oblique axis, with a force along it: positive pulls.
+std::string straight_bar(const std::string& theory, double EA, double GA, double EI, double force) {
+    const std::string shear = theory == "timoshenko" ? fmt::format("GAy = {}, GAz = {}, ", GA, 1.3 * GA) : "";
+    return fmt::format(R"(format = "dttmm/1"
+[nodes]
+a = {{ position = [0.2, 0.1, -0.3], fixed = ["x", "y", "z", "rx"] }}
+b = {{ position = [2.4, 0.1, -0.3], fixed = ["y", "z", "rx"] }}
+[[element]]
+name = "bar"
+type = "beam"
+from = "a"
+to = "b"
+theory = "{}"
+section = {{ EA = {}, EIy = {}, EIz = {}, {}GJ = 3, mass = 0.7, inertia = 1e-3 }}
+[[load]]
+on = "b"
+direction = [1, 0, 0]
+force = {}
+)",
+                       theory, EA, EI, 1.9 * EI, shear, force);
+}
+
+// Oracle: Euler's load, pressed, and nothing, pulled. A section is pressed by EA and pulled by the smaller of EA and GA at
+// most: the search ends at up to 1.2 of it below, and the program says where and why.
+TEST(ModesAtRest, CriticalLoadsAreLookedForAsFarAsSectionsBear) {
+    constexpr double kEI = 13, kForce = 0.01, kLength = 2.2, kEuler = M_PI * M_PI * kEI / (kLength * kLength);
+    for (const double share : {0.5, 0.9, 1.1, 2.0}) {  // of EA at Euler's load
+        AtRest rest = rest_of(straight_bar("euler-bernoulli", kEuler / share, 0, kEI, -kForce), {"--buckling", "1"});
+        const std::vector<double> found = rest.summary["critical_load_factors"];
+        ASSERT_EQ(found.size(), share < 1 ? 1u : 0u) << share;
+        if (share < 1) {
+            EXPECT_NEAR(found[0] * kForce, kEuler, 2e-3 * kEuler) << share;
+            EXPECT_FALSE(rest.summary.contains("critical_loads_looked_for_up_to"));
+        } else {
+            const double most = kEuler / share, up_to = rest.summary["critical_loads_looked_for_up_to"];
+            EXPECT_LE(up_to * kForce, most) << share;
+            EXPECT_GE(up_to * kForce * 1.2, most) << share;
+        }
+    }
+    // The last is so slack that its pieces come to an end: they are as long as they would buckle at, pressed
+    const double slack = 1e-6, of_pieces = slack * std::pow(20000 * M_PI / kLength, 2);
+    for (const auto& [theory, GA, EI, most] : {std::tuple("euler-bernoulli", 0., kEI, 4e4),
+                                               {"timoshenko", 7e3, kEI, 7e3},
+                                               {"timoshenko", 9e4, kEI, 4e4},
+                                               {"euler-bernoulli", 0., slack, of_pieces}}) {
+        const AtRest rest = rest_of(straight_bar(theory, 4e4, GA, EI, 21), {"--buckling", "2"});
+        EXPECT_TRUE(rest.summary["critical_load_factors"].empty());
+        const double up_to = rest.summary["critical_loads_looked_for_up_to"];
+        EXPECT_LE(up_to * 21, most) << theory << " " << EI;
+        EXPECT_GE(up_to * 21 * 1.2, most) << theory << " " << EI;
+    }
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", straight_bar("timoshenko", 4e4, 7e3, kEI, 21));
+    EXPECT_THAT(run_dttmm(folder.path(), {"static", "m.toml", "--buckling", "2"}).out,
+                testing::ContainsRegex("no critical load factor up to [0-9]+; beyond, element \"bar\": its axial force of "
+                                       "[0-9.e+]+ N is beyond its GA of 7e\\+03 N"));
+}
+
 /// The same board below that load, and beyond it. Its polar inertia is large: torsion then takes part in all its motions.
 /// Second order in the segments.
 TEST(ModesAtRest, ADeepCantileverUnderItsLoadVibrates) {

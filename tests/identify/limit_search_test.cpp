@@ -13,7 +13,7 @@ namespace {
 // Oracle: of a parabola 4 x^2 the limit is at half of the root of what is allowed, whatever the first guess.
 TEST(LimitSearch, FindsTheLimitOfAParabola) {
     for (const double first : {1e-3, 1.0, 30.0}) {
-        const Limit found = find_limit([](double x) { return Rise{4 * x * x}; }, first, 100, 3.84);
+        const LimitFound found = find_limit([](double x) { return Rise{4 * x * x}; }, first, 100, 3.84);
         ASSERT_TRUE(found.distance);
         EXPECT_NEAR(*found.distance, std::sqrt(3.84) / 2, 0.05) << first;
         EXPECT_TRUE(found.is_converged);
@@ -21,13 +21,13 @@ TEST(LimitSearch, FindsTheLimitOfAParabola) {
 }
 
 TEST(LimitSearch, NoLimitWithinReachIsNone) {
-    const Limit found = find_limit([](double) { return Rise{1}; }, 1, 100, 3.84);
+    const LimitFound found = find_limit([](double) { return Rise{1}; }, 1, 100, 3.84);
     EXPECT_FALSE(found.distance);
     EXPECT_TRUE(found.is_converged);
 }
 
 TEST(LimitSearch, AStepIsALimit) {
-    const Limit found = find_limit([](double x) { return Rise{x < 0.7 ? 0.0 : 1e6}; }, 1, 100, 3.84);
+    const LimitFound found = find_limit([](double x) { return Rise{x < 0.7 ? 0.0 : 1e6}; }, 1, 100, 3.84);
     ASSERT_TRUE(found.distance);
     EXPECT_NEAR(*found.distance, 0.7, 0.05);
     EXPECT_TRUE(found.is_converged);
@@ -35,18 +35,18 @@ TEST(LimitSearch, AStepIsALimit) {
 
 // The first guess is 1e12 times too short, and a step is at most threefold.
 TEST(LimitSearch, TellsThatItDidNotConverge) {
-    const Limit found = find_limit([](double x) { return Rise{x < 1 ? 0.0 : 10}; }, 1e-12, 100, 3.84);
+    const LimitFound found = find_limit([](double x) { return Rise{x < 1 ? 0.0 : 10}; }, 1e-12, 100, 3.84);
     EXPECT_FALSE(found.is_converged);
 }
 
 TEST(LimitSearch, OtherUnknownsThatDidNotConvergeMakeTheLimitAGuess) {
-    const Limit found = find_limit([](double x) { return Rise{x * x, false}; }, 1, 100, 3.84);
+    const LimitFound found = find_limit([](double x) { return Rise{x * x, false}; }, 1, 100, 3.84);
     ASSERT_TRUE(found.distance);
     EXPECT_FALSE(found.is_converged);
 }
 
 TEST(LimitSearch, WhereTheModelHasNoAnswerTheLimitIsUnknown) {
-    const Limit found = find_limit(
+    const LimitFound found = find_limit(
         [](double x) -> Rise {
             if (x > 2) throw Error(ExitCode::numerical_failure, "no equilibrium");
             return {0.1 * x};

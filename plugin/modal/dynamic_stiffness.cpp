@@ -38,9 +38,9 @@ Vector12 momentum_of(const Pin& pin, const Vector12& ends) {
 // ---- The pieces ---------------------------------------------------------------------------------------------------------
 
 void DynamicStiffness::cut(double omega) {
-    asked_for_ = omega;
     std::vector<int> counts;
     for (const auto& kind : model_.kinds) counts.push_back(kind->pieces(omega, LineWaves::kMostPieces));
+    asked_for_ = std::max(asked_for_, omega);
     if (is_cut_ && counts == counts_) return;
     cut_for_ = omega;
     cut_into(counts);
@@ -56,7 +56,7 @@ void DynamicStiffness::cut_like(const DynamicStiffness& other) {
         own = wanted;
     }
     if (!is_possible) throw Error(DTTMM_ERROR_ARGUMENT, "the machines differ in more than numbers");
-    asked_for_ = other.asked_for_;
+    asked_for_ = std::max(asked_for_, other.asked_for_);
     if (is_cut_ && counts == counts_) return;
     cut_for_ = other.cut_for_;
     cut_into(counts);
@@ -65,6 +65,7 @@ void DynamicStiffness::cut_like(const DynamicStiffness& other) {
 void DynamicStiffness::cut_into(const std::vector<int>& counts) {
     is_cut_ = false;  // until it is
     ++cuts_;
+    asked_for_ = cut_for_;
     counts_ = counts;
     points_.clear();
     pieces_.clear();

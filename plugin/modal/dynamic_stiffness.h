@@ -144,7 +144,7 @@ private:
     double cut_for_ = 0;
     std::vector<Waves> waves_;                                     ///< by slot()
     std::vector<std::optional<LineWaves::Expansion>> expansions_;  ///< by slot()
-    double asked_for_ = 0, expanded_to_ = 0;  ///< ω of the last cut [rad/s], |λ| of the expansions [1/s²]
+    double asked_for_ = 0, expanded_to_ = 0;  ///< largest ω that these pieces serve [rad/s], |λ| of expansions [1/s²]
     int direct_ = 0;                          ///< evaluations that these could have spared
     std::vector<size_t> first_slot_;          ///< of each kind
     std::optional<Elimination> elimination_;

@@ -19,13 +19,13 @@ std::string real_field(double value, int width, int digits) {
 /// As many digits as 13 columns hold behind a blank: seven with an exponent, eleven of most numbers without. Who reads by
 /// FORTRAN's E13.5 takes both: a decimal point in the field counts before that of the format.
 std::string single(double value) {
-    constexpr int kWidth = 13;
+    constexpr int kField = 13;
     constexpr double kLeast = 1e-3, kMost = 1e9;  // of a magnitude that has more digits without an exponent
-    if (!(std::abs(value) >= kLeast && std::abs(value) < kMost)) return real_field(value, kWidth, value < 0 ? 5 : 6);
+    if (!(std::abs(value) >= kLeast && std::abs(value) < kMost)) return real_field(value, kField, value < 0 ? 5 : 6);
     const int whole = std::max(1, static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1);
     const int taken = 1 + (value < 0 ? 1 : 0) + whole + 1;  // the blank, a sign, the digits before the point, the point
-    std::string field = fmt::format("{:{}.{}f}", value, kWidth, kWidth - taken);
-    if (field.front() != ' ') field = fmt::format("{:{}.{}f}", value, kWidth, kWidth - taken - 1);  // 9.999… became 10
+    std::string field = fmt::format("{:{}.{}f}", value, kField, kField - taken);
+    if (field.front() != ' ') field = fmt::format("{:{}.{}f}", value, kField, kField - taken - 1);  // 9.999… became 10
     return field;
 }
 std::string twice(double value) { return real_field(value, 20, 12); }

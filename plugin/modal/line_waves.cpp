@@ -16,6 +16,8 @@
 #include "core/index.h"
 #include "core/state_vector.h"
 #include "element/parameters.h"
+#include "modal/exponential.h"
+#include "modal/line_equations.h"
 
 namespace dttmm::plugin {
 
@@ -41,168 +43,6 @@ Matrix6 mass_per_length(const Section& s) {
     M(4, 4) += s.rotary_y;
     M(5, 5) += s.rotary_z;
     return M;
-}
-
-/// e^X and its derivative by Y, X' = Y: Taylor of a small fraction until a term changes nothing, then squared. At λ = 0 the
-/// series ends by itself.
-template <class Square>
-void exponential_of(Square X, Square Y, Square& E, Square& D) {
-    constexpr int kMostTerms = 16;  // of a norm of 0.5 the next is 1e-20
-    const double norm = X.cwiseAbs().colwise().sum().maxCoeff();
-    const int squarings = norm > 0.5 ? static_cast<int>(std::ceil(std::log2(norm / 0.5))) : 0;
-    const double part = std::ldexp(1.0, -squarings);
-    X *= part;
-    Y *= part;
-    const auto n = X.rows();
-    Square term = Square::Identity(n, n), change = Square::Zero(n, n);
-    E = term;
-    D = change;
-    for (int k = 1; k <= kMostTerms; ++k) {
-        const Square before = E, derivative = D;
-        D += change = ((X * change + Y * term) / k).eval();
-        E += term = (X * term / k).eval();
-        if (E == before && D == derivative) break;
-    }
-    for (int k = 0; k < squarings; ++k) {
-        D = (E * D + D * E).eval();
-        E = (E * E).eval();
-    }
-}
-
-/// e^X alone, by fewer products: Taylor's terms up to X¹⁵ as a polynomial in X⁴ (Paterson and Stockmeyer).
-template <class Square>
-Square exponential_alone(Square X) {
-    const double norm = X.cwiseAbs().colwise().sum().maxCoeff();  // at 0.5 the first term left out is 7e-19
-    const int squarings = norm > 0.5 ? static_cast<int>(std::ceil(std::log2(norm / 0.5))) : 0;
-    X *= std::ldexp(1.0, -squarings);
-    const Square X2 = X * X, X3 = X2 * X, X4 = X2 * X2;
-    constexpr std::array<double, 16> kPartOf = [] {
-        std::array<double, 16> parts{1};
-        for (size_t k = 1; k < parts.size(); ++k) parts[k] = parts[k - 1] / static_cast<double>(k);
-        return parts;
-    }();
-    const auto four = [&](size_t k) {
-        Square sum = kPartOf[k + 1] * X + kPartOf[k + 2] * X2 + kPartOf[k + 3] * X3;
-        sum.diagonal().array() += kPartOf[k];
-        return sum;
-    };
-    Square E = four(12);
-    for (const size_t k : {size_t{8}, size_t{4}, size_t{0}}) E = (four(k) + X4 * E).eval();
-    for (int k = 0; k < squarings; ++k) E = (E * E).eval();
-    return E;
-}
-
-template <class Square>
-double norm_of(const Square& block) {
-    return block.cwiseAbs().colwise().sum().maxCoeff();
-}
-
-/// Carries states Σ y[j] λʲ from x = 0 to 1, λ counted from that of the equations, by the power series y = Σ yₖ xᵏ,
-///     k yₖ[j] = S₀ yₖ₋₁[j] + S₁ yₖ₋₂[j] + S₂ yₖ₋₃[j] + S_λ yₖ₋₁[j−1].
-/// size: of all S together; over halves where it is so large that terms cancel.
-template <class Square, class States, size_t count_of_powers>
-void carry_over(const LineEquations<Square>& equations, double size, std::array<States, count_of_powers>& y) {
-    constexpr double kLargest = 4;
-    constexpr unsigned kMostTerms = 40;  // the next is 4^41/41! = 1e-25
-    if (size > kLargest) {
-        for (const double from : {0., 0.5}) carry_over(equations.half(from), size / 2, y);
-        return;
-    }
-    using Scalar = typename States::Scalar;
-    using Rows = Eigen::Matrix<Scalar, States::RowsAtCompileTime, States::ColsAtCompileTime,
-                               States::ColsAtCompileTime == 1 ? Eigen::ColMajor : Eigen::RowMajor,
-                               States::MaxRowsAtCompileTime, States::MaxColsAtCompileTime>;
-    // Most entries are zero
-    struct Entry {
-        unsigned back;
-        Eigen::Index row, column;
-        Scalar value;
-    };
-    std::array<Entry, 4 * size_t{Square::MaxSizeAtCompileTime}> entries;
-    size_t count = 0;
-    const auto list = [&](const Square& block, unsigned back) {
-        for (Eigen::Index i = 0; i < block.rows(); ++i)
-            for (Eigen::Index j = 0; j < block.cols(); ++j)
-                if (block(i, j) != Scalar(0)) entries[count++] = {back, i, j, block(i, j)};
-    };
-    for (const unsigned back : {0u, 1u, 2u}) list(equations.S[back], back);
-    const size_t without_lambda = count;
-    if (y.size() > 1) list(equations.by_lambda, 0);
-    struct Power {
-        std::array<Rows, 4> terms;  ///< yₖ at k modulo 4
-        Rows sum;
-    };
-    std::array<Power, count_of_powers> powers;
-    const Rows zero = Rows::Zero(y[0].rows(), y[0].cols());
-    size_t reached = 0;
-    for (size_t j = 0; j < y.size(); ++j) {
-        powers[j] = {{y[j], zero, zero, zero}, y[j]};
-        if (!y[j].isZero(0)) reached = j;
-    }
-    for (unsigned k = 1, idle = 0; k <= kMostTerms && idle < 3; ++k) {
-        const auto add_product = [&](size_t from, size_t to, const Power& of, Rows& next) {
-            for (size_t e = from; e < to; ++e) {
-                const auto& [back, row, column, value] = entries[e];
-                next.row(row) += value * of.terms[(k - 1 - back) % 4].row(column);
-            }
-        };
-        bool changes = false;
-        if constexpr (count_of_powers > 1)
-            if (reached + 1 < count_of_powers) {  // higher powers are not felt where the last is not
-                Rows most = zero;
-                for (size_t j = 0; j < count_of_powers && j < reached; ++j) most += powers[j].sum.cwiseAbs();
-                changes = most + powers[reached].sum.cwiseAbs() != most;
-                if (changes) ++reached;
-            }
-        for (size_t j = 0; j < count_of_powers && j <= reached; ++j) {
-            auto& [terms, sum] = powers[j];
-            Rows& next = terms[k % 4] = zero;
-            add_product(0, without_lambda, powers[j], next);
-            if (j > 0) add_product(without_lambda, count, powers[j - 1], next);
-            next *= 1.0 / k;
-            const Rows before = sum;
-            sum += next;
-            changes = changes || sum != before;
-        }
-        idle = changes ? 0 : idle + 1;
-    }
-    for (size_t j = 0; j < y.size(); ++j) y[j] = powers[j].sum;
-}
-
-/// The exponential, each of six sizes worked out at its own.
-template <class Scalar, int kSize>
-void exponential_in(const LineEquations<LineWaves::Block<Scalar>>& equations, bool with_derivative,
-                    LineWaves::Block<Scalar>& U, LineWaves::Block<Scalar>& by_lambda) {
-    using Square = Eigen::Matrix<Scalar, kSize, kSize>;
-    if (!with_derivative) {
-        U = exponential_alone<Square>(equations.S[0]);
-        return;
-    }
-    Square exponential, derivative;
-    exponential_of<Square>(equations.S[0], equations.by_lambda, exponential, derivative);
-    U = exponential;
-    by_lambda = derivative;
-}
-template <class Scalar>
-void exponential(const LineEquations<LineWaves::Block<Scalar>>& equations, bool with_derivative, LineWaves::Block<Scalar>& U,
-                 LineWaves::Block<Scalar>& by_lambda) {
-    switch (equations.by_lambda.rows()) {
-        case 6:
-            return exponential_in<Scalar, 6>(equations, with_derivative, U, by_lambda);
-        case 8:
-            return exponential_in<Scalar, 8>(equations, with_derivative, U, by_lambda);
-        case 10:
-            return exponential_in<Scalar, 10>(equations, with_derivative, U, by_lambda);
-        default:
-            exponential_in<Scalar, 12>(equations, with_derivative, U, by_lambda);
-    }
-}
-template <class Square>
-void exponential(const LineEquations<Square>& equations, bool with_derivative, Square& U, Square& by_lambda) {
-    if (with_derivative)
-        exponential_of(equations.S[0], equations.by_lambda, U, by_lambda);
-    else
-        U = exponential_alone(equations.S[0]);
 }
 
 /// Calls with the number of directions of a group, one and two as constants: most groups are an axial or torsional wave or a
@@ -323,8 +163,7 @@ double LineWaves::scale(const Group& group, double start, double s, double lambd
     return 1 / most;
 }
 
-/// Over s, in units in which deflections count in a length,  and forces as what bends, or shears, by a radian on
-/// that.
+/// Over s, in units in which deflections count in a length, and forces as what bends, or shears, by a radian on that.
 template <class Scalar, int n>
 LineEquations<LineWaves::Whole<Scalar, n>> LineWaves::equations_of(const Group& group, double start, double s, Scalar lambda,
                                                                    Scalar stiffening, double length, Numbers<n>& ud,
@@ -382,8 +221,8 @@ LineWaves::Waves<Scalar, n> LineWaves::waves(const Group& group, double start, d
     Waves<Scalar, n> waves;
     const auto equations = equations_of<Scalar, n>(group, start, s, lambda, stiffening,
                                                    scale(group, start, s, std::abs(lambda)), waves.unit_d, waves.unit_n);
-    if (equations.S[1].isZero(0)) {
-        exponential(equations, with_derivative, waves.U, waves.by_lambda);
+    if (equations.is_uniform()) {
+        exponential(equations.S[0], equations.by_lambda, with_derivative, waves.U, waves.by_lambda);
         return waves;
     }
     const auto size = equations.by_lambda.rows();
@@ -391,12 +230,12 @@ LineWaves::Waves<Scalar, n> LineWaves::waves(const Group& group, double start, d
     const States one = States::Identity(size, size);
     if (with_derivative) {
         std::array<States, 2> y{one, States::Zero(size, size)};
-        carry_over(equations, equations.size(), y);
+        carry_over(equations, equations.norm(), y);
         waves.U = y[0];
         waves.by_lambda = y[1];
     } else {
         std::array<States, 1> y{one};
-        carry_over(equations, equations.size(), y);
+        carry_over(equations, equations.norm(), y);
         waves.U = y[0];
     }
     return waves;
@@ -419,7 +258,7 @@ std::optional<LineWaves::Expansion> LineWaves::expand(int count, double largest,
             std::array<States, kPowers> powers;
             powers.fill(States::Zero(size, size));
             powers[0].setIdentity();
-            carry_over(equations, equations.size() + norm_of(equations.by_lambda), powers);
+            carry_over(equations, equations.norm() + equations.norm(equations.by_lambda), powers);
             // Up to the last that is felt
             States most = States::Zero(size, size);
             size_t felt = 0;
@@ -597,7 +436,7 @@ Eigen::Matrix<double, 12, k> LineWaves::carried(Eigen::Matrix<double, 12, k> sta
             const auto row = [&](Eigen::Index i) { return group.directions[as_size(i % size)] + (i < size ? 0 : 6); };
             const auto unit = [&](Eigen::Index i) { return i < size ? unit_d(i) : unit_n(i - size); };
             for (Eigen::Index i = 0; i < 2 * size; ++i) own.row(i) = states.row(row(i)) / unit(i);
-            carry_over(equations, equations.size(), y);
+            carry_over(equations, equations.norm(), y);
             for (Eigen::Index i = 0; i < 2 * size; ++i) states.row(row(i)) = own.row(i) * unit(i);
         });
     return states;

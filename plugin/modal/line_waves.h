@@ -8,25 +8,10 @@
 
 #include "core/driven_ends.h"
 #include "element/element.h"
+#include "modal/line_equations.h"
 #include "modal/line_forces.h"
 
 namespace dttmm::plugin {
-
-/// Of states y along a piece, from x = 0 to 1: y' = (S[0] + S[1] x + S[2] x²) y; by_lambda is what λ adds to S.
-template <class Square>
-struct LineEquations {
-    std::array<Square, 3> S;
-    Square by_lambda;
-    /// A norm, of all but by_lambda.
-    double size() const {
-        double sum = 0;
-        for (const Square& of : S) sum += of.cwiseAbs().colwise().sum().maxCoeff();
-        return sum;
-    }
-    LineEquations half(double from) const {
-        return {{(S[0] + from * S[1] + from * from * S[2]) / 2, (S[1] + 2 * from * S[2]) / 4, S[2] / 8}, by_lambda / 2};
-    }
-};
 
 /// A uniform element at a frequency, in its local axes. Displacement d = [u; θ] and section force n = [f; m] on the positive
 /// face obey, λ = ω²,

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -66,6 +67,13 @@ public:
 
     pid_t id() const { return id_; }
     void send(int signal) const { ::kill(id_, signal); }
+    /// Processor time that it has taken so far [s]: how far it is does not depend on what else the machine does.
+    double processor_time() const {
+        clockid_t clock;
+        timespec time{};
+        if (clock_getcpuclockid(id_, &clock) != 0 || clock_gettime(clock, &time) != 0) return 0;
+        return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+    }
 
     /// Its end; after `limit` seconds it is killed, and the test has failed.
     Ended wait(double limit = 120) {

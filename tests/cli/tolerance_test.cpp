@@ -344,7 +344,7 @@ TEST_F(Tolerance, StoppedLaterItKeepsTheLastFinishedRun) {
     std::string text = small_model_with("\"100 N\"", "\"=100*(t > 0.01234567)\"");
     write_text(folder_ / "model.toml", text.replace(text.find("\"50 ms\""), 7, "\"5 s\""));
     Process process({"run", "model.toml", "-o", "out", "--tolerance", "1e-7"}, folder_.path());  // 20 million steps to go
-    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    ASSERT_TRUE(wait_until([&] { return process.processor_time() > 1.2; }));
     process.send(SIGTERM);
     const Ended ended = process.wait();
     EXPECT_EQ(ended.code, 130) << ended.err;

@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "analysis/modal_session.h"
 #include "model/index.h"
+#include "model/wording.h"
 #include "record/csv_table.h"
 
 namespace dttmm::host {
@@ -40,7 +42,35 @@ double range_of_damped(const Model& model, const std::vector<ModalInstance::Mode
     return std::max(model.modes.below.value_or(kBeyond * last), kBeyond * growth);
 }
 
-DampedModes find_damped_modes(ModalMachine& machine, double below, Warnings& warnings) {
+namespace {
+
+/// What undamped modes have and the list does not.
+void warn_of_missing(const std::vector<ModalInstance::Mode>& undamped, const DampedModes& damped, Warnings& warnings) {
+    const auto count = [](const auto& list, const auto& is_one) {
+        return static_cast<size_t>(std::ranges::count_if(list, is_one));
+    };
+    const size_t growing = count(undamped, [](const auto&mode) { return mode.numbers.frequency < 0; }),
+                 moving = count(damped.modes, [](const auto&mode) { return !is_rigid(mode); });
+    if (growing > 0 && std::ranges::none_of(damped.modes, grows)) {
+        warnings.add("damped-growth",
+                     fmt::format("without damping {}, and the list with damping has none: a loss factor is a law of steady "
+                                 "vibrations and says nothing of what grows. The machine is not stable",
+                                 counted(growing, "motion grows", "motions grow")));
+        return;
+    }
+    const size_t vibrating = count(
+        undamped, [&](const auto& mode) { return mode.numbers.frequency > 0 && mode.numbers.frequency <= damped.below; });
+    if (vibrating > moving)
+        warnings.note("damped-beyond",
+                      fmt::format("{} without damping up to {:.6g} Hz, and {} with: damping has moved the others beyond; "
+                                  "--below looks farther",
+                                  counted(vibrating, "mode vibrates", "modes vibrate"), damped.below, moving));
+}
+
+}  // namespace
+
+DampedModes find_damped_modes(ModalMachine& machine, const std::vector<ModalInstance::Mode>& undamped, double below,
+                              Warnings& warnings) {
     DampedModes damped{below, {}, 0};
     machine.damp(below);
     damped.modes = machine.find_damped(below, damped.is_proved);
@@ -52,6 +82,7 @@ DampedModes find_damped_modes(ModalMachine& machine, double below, Warnings& war
         warnings.add("damped-not-proved",
                      "the damped modes are not proved to be all and right: Newton's method would still change some by more "
                      "than 1e-8 of themselves (`correction` in damped.csv), or led two to one");
+    warn_of_missing(undamped, damped, warnings);
     const bool is_decided = machine.nonconservative().empty();
     for (const ModalInstance::Damped& mode : damped.modes) {
         if (!grows(mode)) continue;

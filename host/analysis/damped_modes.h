@@ -21,8 +21,10 @@ struct DampedModes {
 /// says; far enough for all that grows.
 double range_of_damped(const Model& model, const std::vector<ModalInstance::Mode>& modes);
 
-/// Those up to `below` [Hz]. What is not proved, and what grows, goes to the warnings.
-DampedModes find_damped_modes(ModalMachine& machine, double below, Warnings& warnings);
+/// Those up to `below` [Hz]; undamped: the modes without damping. What is not proved, what grows, and what the list does
+/// not have goes to the warnings.
+DampedModes find_damped_modes(ModalMachine& machine, const std::vector<ModalInstance::Mode>& undamped, double below,
+                              Warnings& warnings);
 
 /// damped.csv: a row per mode: damped frequency, |s|/2π, damping ratio −Re s/|s|, decay −Re s, correction.
 std::string damped_table(const DampedModes& damped);

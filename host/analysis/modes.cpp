@@ -196,7 +196,7 @@ std::optional<DampedModes> damped_of(const Request& request, const Plugins& plug
         throw Error(ExitCode::usage, "--damped: up to which frequency? nothing vibrates among these modes; give --below");
     note_damping(model, warnings);
     report_fits(model, plugins, warnings);
-    return find_damped_modes(machine, below, warnings);
+    return find_damped_modes(machine, modes, below, warnings);
 }
 
 void print_proof(const std::vector<Mode>& modes, const ResultsFolder& folder) {

@@ -238,7 +238,7 @@ public:
 
     /// Load factors at which motions begin to grow, ascending: all forces of the machine at rest count so many times, with
     /// the places and the stiffness that it has there. Each factor is enclosed by two counts. Looked for up to 1e9, or to
-    /// within a fifth of where forces are so large that a section cannot bear them or nothing can be counted beside them.
+    /// within 2 % of where forces are so large that a section cannot bear them or nothing can be counted beside them.
     CriticalLoads find_factors(int wanted) {
         description_.scale_forces(0);
         ModalInstance instance(description_.plugin(), description_.model());
@@ -313,8 +313,8 @@ private:
         return {factor, std::max(late / factor, kLeastShare)};
     }
 
-    /// From one factor to the next: 4, and its roots as long as they are larger than the least. The last is 1.19.
-    static constexpr double kLargestStep = 4, kLeastStep = 1.1;
+    /// From one factor to the next: 4, and its roots as long as they are larger than the least. The last is 1.022.
+    static constexpr double kLargestStep = 4, kLeastStep = 1.02;
     static constexpr double kLeastShare = 1e-9;  // of a factor: a thousand times what a bisection leaves
     static constexpr double kSmallest = 1e-9;    // factor
     static constexpr double kNothing = 1e-4;     // of a factor that rounding makes: share_beyond() is known to 1e-6

@@ -83,7 +83,7 @@ Found find_frequencies(const Request& request, const Plugins& plugins, const std
     if (request.modes.is_damped && !modes.empty()) {
         const double below = range_of_damped(session.model, modes);
         size_t number = 0;
-        for (const ModalInstance::Damped& one : find_damped_modes(session.machine, below, warnings).modes) {
+        for (const ModalInstance::Damped& one : find_damped_modes(session.machine, modes, below, warnings).modes) {
             ++number;
             found.add(fmt::format("damped{}.frequency", number), "Hz", std::abs(one.s.imag()) / (2 * std::numbers::pi));
             found.add(fmt::format("damped{}.damping_ratio", number), "1",

@@ -71,7 +71,7 @@ private:
 /// norm: of all S together; over halves where it is so large that terms cancel.
 template <class Square, class States, std::size_t powers>
 void carry_over(const LineEquations<Square>& equations, double norm, std::array<States, powers>& y) {
-    constexpr double kMostNorm = 4;       // sums are then at most e⁴ times smaller than their terms
+    constexpr double kMostNorm = 4;      // sums are then at most e⁴ times smaller than their terms
     constexpr unsigned kMostTerms = 40;  // the next is 4^41/41! = 1e-25
     if (norm > kMostNorm) {
         for (const double from : {0., 0.5}) carry_over(equations.half(from), norm / 2, y);

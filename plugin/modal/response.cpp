@@ -112,9 +112,14 @@ Eigen::SparseMatrix<Complex> HarmonicSolver::assemble(Complex s, Form form) {
             const Section& section = line.line.section;
             const Complex stiffening = Complex(1, section.loss_factor) + s * section.stiffness_damping;
             if (form == Form::polynomial) {
+                // What an axial force adds is not damped: the stiffness goes by the modulus to first order
+                constexpr double kStep = 1e-10;  // of the modulus, imaginary: it leaves its square
                 LineWaves::Square<double> stiffness, mass;
+                LineWaves::Square<Complex> beside;
                 line.waves->evaluate<double>(D_.count(line), 0, 1, stiffness, &mass, piece.index);
-                L = stiffening * stiffness.cast<Complex>() + inertia * mass.cast<Complex>();
+                line.waves->evaluate<Complex>(D_.count(line), 0, Complex(1, kStep), beside, nullptr, piece.index);
+                L = stiffness.cast<Complex>() + (stiffening - 1.0) * (beside.imag() / kStep).cast<Complex>() +
+                    inertia * mass.cast<Complex>();
             } else {
                 line.waves->evaluate<Complex>(D_.count(line), -inertia, stiffening, L.emplace(), nullptr, piece.index);
             }

@@ -260,6 +260,58 @@ TEST(DampedModes, DoubleModesAndCoarsePiecesAreProved) {
     }
 }
 
+/// A column between pins that a force presses along an oblique axis; its material has a loss factor.
+std::string pressed_column(double share) {
+    constexpr double kEI = 40, kLength = 1.3, kEuler = M_PI * M_PI * kEI / (kLength * kLength);
+    return fmt::format(R"(format = "dttmm/1"
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx"] }}
+b = {{ position = [1.3, 0, 0], fixed = ["y", "z", "rx"] }}
+[[element]]
+name = "column"
+type = "beam"
+from = "a"
+to = "b"
+segments = 20
+theory = "euler-bernoulli"
+section = {{ EA = 1e9, EIy = {0}, EIz = {0}, GJ = 30, mass = 0.7, inertia = 1e-3 }}
+material = {{ loss_factor = 0.03 }}
+[[load]]
+on = "b"
+direction = [-1, 0, 0]
+force = {1}
+)",
+                       kEI, share * kEuler);
+}
+
+// Oracle: s² = −ω₀² (1 + iη − P/P_cr): the force is not damped. The damping ratio grows from η/2 without bound.
+TEST(DampedModes, ALossFactorNearACriticalLoad) {
+    const double unloaded = M_PI / (2 * 1.3 * 1.3) * std::sqrt(40 / 0.7);
+    for (const char* beams : {"exact", "lumped"})
+        for (const double share : {-1.0, 0.3, 0.9, 0.99}) {
+            const TemporaryFolder folder;
+            write_text(folder / "m.toml", pressed_column(share));
+            const Ended ended = run_dttmm(folder.path(), {"modes", "m.toml", "--damped", "--beams", beams, "--below",
+                                                          fmt::format("{} Hz", 2 * unloaded), "-o", "out"});
+            ASSERT_EQ(ended.code, 0) << ended.err;
+            EXPECT_EQ(ended.err.find("damped-not-proved"), std::string::npos);
+            const auto damped = read_json(folder / "out/summary.json")["damped"]["modes"];
+            ASSERT_EQ(damped.size(), 2u) << share;
+            const std::complex<double> s = std::sqrt(-std::complex<double>(1 - share, 0.03));
+            for (const auto& mode : damped) {
+                EXPECT_NEAR(mode["frequency_hz"].get<double>(), std::abs(s) * unloaded, 3e-3 * std::abs(s) * unloaded);
+                EXPECT_NEAR(mode["damping_ratio"].get<double>(), std::abs(s.real()) / std::abs(s), 5e-3);
+            }
+        }
+    const TemporaryFolder folder;
+    write_text(folder / "near.toml", pressed_column(0.97));
+    EXPECT_THAT(run_dttmm(folder.path(), {"modes", "near.toml", "--damped", "--count", "2"}).err,
+                testing::HasSubstr("2 modes vibrate without damping up to"));
+    write_text(folder / "beyond.toml", pressed_column(1.1));
+    EXPECT_THAT(run_dttmm(folder.path(), {"modes", "beyond.toml", "--damped", "--count", "2"}).err,
+                testing::HasSubstr("without damping 2 motions grow, and the list with damping has none"));
+}
+
 // Oracle: by hand. A body on a hinge between joints: reactions and free directions cost nothing; a slider with a damper only
 // has a rigid-body mode and one that decays, s = −c/m.
 TEST(DampedModes, WhatNothingHoldsDecaysOrStays) {

@@ -294,13 +294,13 @@ void FrequencyAssembly::add_resting_line(const LineSpec& spec) {
     const LineWaves::Axial axial = {forces.first().head<3>().dot(along), forces.last().head<3>().dot(along)};
     if (description_.rest->factor > 1) refuse_beyond_section(axial, section);
     const int from = frame_of_[as_size(spec.from)], to = frame_of_[as_size(spec.to)],
-              by_forces = is_bar ? 1 : forces.pieces(section);
-    int count = from == to ? std::max(2, by_forces) : by_forces;
+              by_forces = is_bar ? 0 : forces.pieces(section);
+    int count = std::max(from == to ? 2 : 1, by_forces);
     // The shapes of pieces at rest are those of their waves, which a strong axial force bends sharply at the ends
-    if (by_forces > 1)
+    if (by_forces > 0)
         count = std::max(count,
                          LineWaves(spec.line, forces.length(), active_axes(spec), axial).pieces(0, LineWaves::kMostPieces));
-    if (by_forces == 1) {
+    if (by_forces == 0) {
         add_line(spec, axial);
         if (is_bar) resting_->add_bar_force(model_.lines.back(), forces);
     } else {

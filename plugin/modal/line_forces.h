@@ -43,7 +43,7 @@ public:
     /// How far its points lie beside the line between its ends, as share of the radius of gyration of the section.
     double bend(const Section& section) const;
     /// Into how many pieces the line is to be cut for frequencies of a relative error of 1e-6 and less. A bent one has its
-    /// segments at most. 1: only the mean axial force counts.
+    /// segments at most. 0: only the axial force counts, and no piece needs stiffness().
     int pieces(const Section& section) const;
 
     /// A piece of it that counts as straight, from share to share.

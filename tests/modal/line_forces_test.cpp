@@ -133,6 +133,7 @@ TEST(LineForces, PiecesByTheBend) {
     EXPECT_EQ(pieces(0.0241), 9);
     EXPECT_EQ(pieces(0.0004), 2);
     EXPECT_EQ(pieces(0.9e-5), 1);
+    EXPECT_EQ(pieces(0.9e-12), 0);
 }
 
 // Oracle: the parabola of a beam under a uniform load.
@@ -165,7 +166,9 @@ TEST(LineForces, PiecesByTheShareOfTheStiffness) {
         return pieces(
             0, [&](double x) { return x == 0 ? 0 : (x < 0 ? -1 : 1) * (1 - std::abs(x)) * share * along / 0.75; }, segments);
     };
-    EXPECT_EQ(pieces(0, [&](double x) { return x * along; }), 1);
+    EXPECT_EQ(pieces(0, [&](double x) { return x * along; }), 0) << "linear";
+    EXPECT_EQ(axial(0.9e-12), 0);
+    EXPECT_EQ(axial(1.1e-12), 1);
     EXPECT_EQ(axial(0.9e-5), 1);
     EXPECT_EQ(axial(1.1e-5), 2);
     EXPECT_EQ(axial(1.59e-5), 2);
@@ -173,6 +176,8 @@ TEST(LineForces, PiecesByTheShareOfTheStiffness) {
     EXPECT_EQ(axial(0.3), 8) << "its segments at most";
     for (const Eigen::Index moment : {3, 4, 5}) {
         const auto with = [&](double share) { return pieces(moment, [&](double) { return std::sqrt(share) * across; }); };
+        EXPECT_EQ(with(0.98e-12), 0);
+        EXPECT_EQ(with(1.02e-12), 1);
         EXPECT_EQ(with(0.98e-5), 1);
         EXPECT_EQ(with(1.02e-5), 2);
         EXPECT_EQ(with(15.7e-5), 4);

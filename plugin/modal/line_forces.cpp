@@ -110,7 +110,8 @@ int LineForces::pieces(const Section& section) const {
         bends = std::max(bends, station.tail<3>().squaredNorm() / across);
     }
     const double bent = bend(section);
-    if (varies <= kNothing && bends <= kNothing && bent <= kNothing) return 0;
+    const double stiff = std::max(across, std::pow(along * length / (M_PI * M_PI), 2));  // of a taut wire by its tension
+    if (varies <= kNothing && bends * across <= kNothing * stiff && bent <= kNothing) return 0;
     if (varies <= kShare && bends <= kShare && bent <= kShare) return 1;
     const double wanted = std::max({2.0, std::pow(varies / kVaries, 0.25), std::sqrt(bends / kShare), bent / kBend});
     return std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e6))), 1, segments());

@@ -420,34 +420,39 @@ void LineWaves::add_group(const Group& group, const Waves<Scalar, n>& w, Square<
     store(dW * Udd + W * dUdd, -dW, dUnn * W + Unn * dW, -1, *mass);
 }
 
-template <int k>
-Eigen::Matrix<double, 12, k> LineWaves::carried(Eigen::Matrix<double, 12, k> states, double lambda, double s,
-                                                double start) const {
-    if (!(s > 0)) return states;
+Vector12 LineWaves::carry(Vector12 state, double lambda, double s, double start) const {
+    if (!(s > 0)) return state;
     for (const Group& group : groups_)
         with_size(group.directions.size(), [&]<int n>(std::integral_constant<int, n>) {
             const auto size = as_row(group.directions.size());
             Numbers<n> unit_d, unit_n;
             const auto equations = equations_of<double, n>(group, start, s, lambda, 1,
                                                            scale(group, start, s, std::abs(lambda)), unit_d, unit_n);
-            using Own = Eigen::Matrix<double, kTwice<n>, k, 0, 2 * kMost<n>, k>;
-            std::array<Own, 1> y{Own(2 * size, k)};
-            Own& own = y[0];
-            const auto row = [&](Eigen::Index i) { return group.directions[as_size(i % size)] + (i < size ? 0 : 6); };
-            const auto unit = [&](Eigen::Index i) { return i < size ? unit_d(i) : unit_n(i - size); };
-            for (Eigen::Index i = 0; i < 2 * size; ++i) own.row(i) = states.row(row(i)) / unit(i);
+            using States = Eigen::Matrix<double, kTwice<n>, 1, 0, 2 * kMost<n>, 1>;
+            std::array<States, 1> y{States(2 * size)};
+            y[0].head(size) = state(group.directions).cwiseQuotient(unit_d);
+            y[0].tail(size) = state.tail<6>()(group.directions).cwiseQuotient(unit_n);
             carry_over(equations, equations.norm(), y);
-            for (Eigen::Index i = 0; i < 2 * size; ++i) states.row(row(i)) = own.row(i) * unit(i);
+            state(group.directions) = y[0].head(size).cwiseProduct(unit_d);
+            state.tail<6>()(group.directions) = y[0].tail(size).cwiseProduct(unit_n);
         });
-    return states;
-}
-
-Vector12 LineWaves::carry(const Vector12& state, double lambda, double s, double start) const {
-    return carried<1>(state, lambda, s, start);
+    return state;
 }
 
 Matrix12 LineWaves::transfer(double lambda, double s, double start) const {
-    return carried<12>(Matrix12::Identity(), lambda, s, start);
+    Matrix12 U = Matrix12::Identity();
+    if (!(s > 0)) return U;
+    for (const Group& group : groups_)
+        with_size(group.directions.size(), [&]<int n>(std::integral_constant<int, n>) {
+            const auto size = as_row(group.directions.size());
+            const Waves<double, n> w = waves<double, n>(group, start, s, lambda, 1, false);
+            Column unit(2 * size);
+            unit << w.unit_d, w.unit_n;
+            const auto at = [&](Eigen::Index k) { return group.directions[as_size(k % size)] + (k < size ? 0 : 6); };
+            for (Eigen::Index i = 0; i < 2 * size; ++i)
+                for (Eigen::Index j = 0; j < 2 * size; ++j) U(at(i), at(j)) = unit(i) * w.U(i, j) / unit(j);
+        });
+    return U;
 }
 
 LineShapes LineWaves::static_shapes() const {

@@ -85,7 +85,7 @@ public:
     Matrix12 transfer(double lambda, double s, double start = 0) const;
 
     /// That times a state at `start`.
-    Vector12 carry(const Vector12& state, double lambda, double s, double start = 0) const;
+    Vector12 carry(Vector12 state, double lambda, double s, double start = 0) const;
 
     /// At λ = 0.
     LineShapes static_shapes() const;
@@ -133,8 +133,6 @@ private:
     template <class Scalar, int n>
     static void add_group(const Group& group, const Waves<Scalar, n>& waves, Square<Scalar>& stiffness,
                           Square<Scalar>* mass);
-    template <int k>
-    Eigen::Matrix<double, 12, k> carried(Eigen::Matrix<double, 12, k> states, double lambda, double s, double start) const;
     /// Length in which waves of the group vary, over s at most s: with it as unit no number is large.
     double scale(const Group& group, double start, double s, double lambda) const;
     double axial_at(double s) const { return axial_[0] + s / length_ * (axial_[1] - axial_[0]); }

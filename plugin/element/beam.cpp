@@ -62,13 +62,13 @@ Parts Beam::discretise(std::span<const Pose> ends) const {
             s.GJ / length, s.EIy / length, s.EIz / length;
         law.damping = s.stiffness_damping * law.stiffness;
         law.loss_factor = s.loss_factor;
-        // A link bends as its static line does: u' = θ x/l from its curvature, and of what d adds b = 1/(1 + Φ) is bending,
-        // 6 d x (l − x)/l³, the rest shear, d/l. The line is longer than its way along x by ∫ u'²/2, and that way is l + d_x
-        // less θ²/4 of the two levers of half a link: e = d_x + dθ/2 − lθ²/12 + (1 + b²/5) d²/(2l). So a pull straightens
-        // the line for any number of links.
+        // A link bends as its static line does: its sections turn by ϑ = θ x/l, and by 6 b d x (l − x)/l³ of the share
+        // b = 1/(1 + Φ) of d that is bending; the rest shears all of it by γ = (1 − b) d/l. Its axial strain is normal to
+        // the sections (Reissner): u' + ϑ²/2 + γ ϑ. Along x its ends are l + d_x apart, less θ²/4 of the two levers of half
+        // a link: e = d_x + dθ/2 − lθ²/12 + (b − 2 b²/5) d²/l. So a pull straightens the line for any number of links.
         const auto sway = [&](double bending_stiffness, double shear_stiffness) {
             const double b = 1 / (1 + bending_stiffness / (cube * shear_stiffness / length));
-            return (1 + b * b / 5) / (2 * length);
+            return b * (1 - 0.4 * b) / length;
         };
         law.line = {0.5, length / 12, sway(s.EIz, s.GAy), sway(s.EIy, s.GAz)};
         law.most_turn = kMostTurn;

@@ -9,6 +9,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <complex>
 #include <csignal>
 #include <functional>
 #include <map>
@@ -1366,6 +1367,65 @@ force = {}
         const double exact = std::copysign(first * std::sqrt(std::abs(1 - load)), 1 - load);
         ASSERT_FALSE(found.empty());
         EXPECT_NEAR(found[0], exact, 2e-6 * std::abs(exact) + 2e-6 * first) << load;
+    }
+}
+
+/// A cantilever along a diagonal, soft in shear: a force along it at its tip, and a small one across it.
+std::string soft_in_shear(int segments, double along, double across) {
+    return fmt::format(R"(format = "dttmm/1"
+[nodes]
+foot = {{ position = [0.1, 0.2, 0.3], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+tip = {{ position = [0.64, 0.92, 0.3] }}
+[[element]]
+name = "bearing"
+type = "beam"
+from = "foot"
+to = "tip"
+segments = {}
+section = {{ EA = 1e6, EIy = 1.9, EIz = 1.3, GJ = 2, GAy = 9, GAz = 14, mass = 0.7, inertia = 1e-2 }}
+[[load]]
+on = "tip"
+direction = [0.6, 0.8, 0]
+force = {}
+[[load]]
+on = "tip"
+direction = [-0.8, 0.6, 1]
+force = {}
+)",
+                       segments, along, across);
+}
+
+/// Oracle: Haringx's column in closed form. The force P that presses it is normal to its sections, so that with a force F
+/// across its tip EI θ'' = −(1 + P/GA) (F + P θ) and v' = θ + (F + P θ)/GA. Its links are of second order.
+TEST(Statics, AColumnThatIsSoftInShear) {
+    static constexpr double kL = 0.9, kAcross = 1e-3;
+    const auto sway = [](double P, double EI, double GA) {
+        const std::complex<double> k = std::sqrt(std::complex<double>(P * (1 + P / GA) / EI));
+        return (1 + P / GA) * kAcross / P * (std::tan(k * kL) / k - kL).real() + kAcross * kL / GA;
+    };
+    for (const double pressure : {0.3, 2.0, -0.5, -4.0}) {
+        std::array<double, 2> y{}, z{};
+        for (const size_t i : {0, 1}) {
+            const auto row = rest_of(soft_in_shear(i == 0 ? 8 : 16, -pressure, std::sqrt(2.) * kAcross)).row;
+            y[i] = -0.8 * (row.at("tip.position.x") - 0.64) + 0.6 * (row.at("tip.position.y") - 0.92);
+            z[i] = row.at("tip.position.z") - 0.3;
+        }
+        const double exact_y = sway(pressure, 1.3, 9), exact_z = sway(pressure, 1.9, 14);
+        EXPECT_NEAR((4 * y[1] - y[0]) / 3, exact_y, 1e-4 * exact_y) << pressure;
+        EXPECT_NEAR((4 * z[1] - z[0]) / 3, exact_z, 1e-4 * exact_z) << pressure;
+    }
+}
+
+/// Oracle: its exact lines, beside its lumps as in a run: one law.
+TEST(ModesAtRest, AColumnThatIsSoftInShearByLinesAndByLumps) {
+    for (const double pressure : {0.3, 2.0, -0.5, -4.0}) {
+        const auto found = [&](int segments, const char* beams) {
+            return frequencies_of(modes_of(soft_in_shear(segments, -pressure, 0), {"--count", "3", "--beams", beams}));
+        };
+        const std::vector<double> exact = found(1, "exact"), coarse = found(16, "lumped"), fine = found(32, "lumped");
+        ASSERT_EQ(exact.size(), 3u);
+        for (size_t i = 0; i < exact.size(); ++i)
+            EXPECT_NEAR((4 * fine[i] - coarse[i]) / 3, exact[i], 1e-4 * std::abs(exact[i])) << pressure << " " << i;
     }
 }
 

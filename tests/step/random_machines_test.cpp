@@ -70,15 +70,18 @@ double unit_of(const std::string& unit, const Units& units) {
     return all.at(unit);
 }
 
-/// Largest difference of a number of two rows in a unit, of the largest number in that unit: places from the start on.
+/// Largest difference of a number in a unit, of the largest number in that unit: places from the start on. Means of
+/// neighbouring rows are compared: the rounding of a stiff undamped part alternates from row to row, and grows.
 std::map<std::string, double> differences(const RecordedRun& one, const RecordedRun& other, const Units& units) {
     std::map<std::string, double> largest, apart;
-    for (size_t n = 0; n < one.count(); ++n)
+    for (size_t n = 1; n < one.count(); ++n)
         for (size_t c = 0; c < one.units().size(); ++c) {
             const std::string& unit = one.units()[c];
-            const double start = unit == "m" ? 1 : 0;
-            const double x = one.rows()[n][c] - start * one.rows()[0][c],
-                         y = (other.rows()[n][c] - start * other.rows()[0][c]) / unit_of(unit, units);
+            const auto mean = [&](const RecordedRun& run) {
+                const auto& rows = run.rows();
+                return 0.5 * (rows[n - 1][c] + rows[n][c]) - (unit == "m" ? rows[0][c] : 0);
+            };
+            const double x = mean(one), y = mean(other) / unit_of(unit, units);
             EXPECT_TRUE(std::isfinite(y));
             largest[unit] = std::max(largest[unit], std::abs(x));
             apart[unit] = std::max(apart[unit], std::abs(x - y));
@@ -91,8 +94,8 @@ std::map<std::string, double> differences(const RecordedRun& one, const Recorded
 void expect_similar(const RecordedRun& one, uint64_t seed, const Units& units) {
     const RecordedRun other(RandomMachine(seed, kShort, {}, units).text());
     ASSERT_EQ(one.count(), other.count());
-    const std::map<std::string, double> bounds = {{"m", 3e-6},   {"rad", 2e-5}, {"J", 3e-6},    {"N", 1e-4},
-                                                  {"N*m", 1e-4}, {"Pa", 3e-5},  {"m/s^2", 2e-3}};
+    const std::map<std::string, double> bounds = {{"m", 5e-7},     {"rad", 1e-6}, {"J", 1.5e-6},  {"N", 2.5e-5},
+                                                  {"N*m", 1.5e-5}, {"Pa", 6e-6},  {"m/s^2", 3e-4}};
     for (const auto& [unit, apart] : differences(one, other, units)) {
         // Velocities at an instant are left out: those of nodes with next to no mass on stiff parts are rounding
         if (unit == "m/s" || unit == "rad/s") continue;

@@ -23,8 +23,6 @@ constexpr double kIdleRounding = 1e-24;
 constexpr double kRedundant = 1e-9;
 /// Evaluations of lines after which their expansion pays: it takes as long as so many.
 constexpr int kDirect = 6;
-/// Of λ: the search for frequencies goes beyond that which it is cut for.
-constexpr double kBeyondCut = 2;
 
 /// Of a bar between pins: m [1/3 1/6; 1/6 1/3].
 Vector12 momentum_of(const Pin& pin, const Vector12& ends) {
@@ -90,8 +88,7 @@ void DynamicStiffness::cut_into(const std::vector<int>& counts) {
                             ? fmt::format("up to {:.4g} Hz it has too many waves to count: more than {} pieces; ask for "
                                           "lower frequencies",
                                           cut_for_ / (2 * M_PI), LineWaves::kMostPieces)
-                            : fmt::format("its axial force is so strong that it would take more than {} pieces",
-                                          LineWaves::kMostPieces),
+                            : LineWaves::too_strong_to_cut(),
                         line.element);
         cut_line(l);
     }
@@ -234,7 +231,7 @@ void DynamicStiffness::refuse(dttmm_status status, int frame, const std::string&
 
 void DynamicStiffness::evaluate_waves(double lambda, bool with_mass) {
     lambda_ = lambda;
-    const double most = kBeyondCut * asked_for_ * asked_for_;
+    const double most = LineWaves::kMargin * asked_for_ * asked_for_;
     const bool may_expand = std::abs(lambda) <= most;
     if (may_expand && std::abs(lambda) > expanded_to_ && ++direct_ > kDirect) {
         for_each_slot([&](size_t slot, const LineWaves& waves, int count, int index) {

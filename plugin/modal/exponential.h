@@ -8,13 +8,25 @@
 
 namespace dttmm::plugin {
 
+/// The largest sum of a column.
+template <class Square>
+double norm_of(const Square& X) {
+    return X.cwiseAbs().colwise().sum().maxCoeff();
+}
+
+/// Halvings of X until its norm is at most 0.5.
+template <class Square>
+int squarings_of(const Square& X) {
+    const double norm = norm_of(X);
+    return norm > 0.5 ? static_cast<int>(std::ceil(std::log2(norm / 0.5))) : 0;
+}
+
 /// e^X and its derivative by Y, X' = Y: Taylor of a small fraction until a term changes nothing, then squared. At λ = 0 the
 /// series ends by itself.
 template <class Square>
 void exponential_of(Square X, Square Y, Square& E, Square& D) {
     constexpr int kMostTerms = 16;  // of a norm of 0.5 the next is 1e-20
-    const double norm = X.cwiseAbs().colwise().sum().maxCoeff();
-    const int squarings = norm > 0.5 ? static_cast<int>(std::ceil(std::log2(norm / 0.5))) : 0;
+    const int squarings = squarings_of(X);
     const double part = std::ldexp(1.0, -squarings);
     X *= part;
     Y *= part;
@@ -37,8 +49,7 @@ void exponential_of(Square X, Square Y, Square& E, Square& D) {
 /// e^X alone, by fewer products: Taylor's terms up to X¹⁵ as a polynomial in X⁴ (Paterson and Stockmeyer).
 template <class Square>
 Square exponential_alone(Square X) {
-    const double norm = X.cwiseAbs().colwise().sum().maxCoeff();  // at 0.5 the first term left out is 7e-19
-    const int squarings = norm > 0.5 ? static_cast<int>(std::ceil(std::log2(norm / 0.5))) : 0;
+    const int squarings = squarings_of(X);  // at 0.5 the first term left out is 7e-19
     X *= std::ldexp(1.0, -squarings);
     const Square X2 = X * X, X3 = X2 * X, X4 = X2 * X2;
     constexpr std::array<double, 16> kPartOf = [] {

@@ -300,9 +300,7 @@ void FrequencyAssembly::add_resting_line(const LineSpec& spec) {
     if (by_forces > 0)
         count = std::max(count,
                          LineWaves(spec.line, forces.length(), active_axes(spec), axial).pieces(0, LineWaves::kMostPieces));
-    if (count > LineWaves::kMostPieces)
-        throw Error(DTTMM_ERROR_MEMORY, fmt::format("its axial force is so strong that it would take more than {} pieces",
-                                                    LineWaves::kMostPieces));
+    if (count > LineWaves::kMostPieces) throw Error(DTTMM_ERROR_MEMORY, LineWaves::too_strong_to_cut());
     if (by_forces == 0) {
         add_line(spec, axial);
         if (is_bar) resting_->add_bar_force(model_.lines.back(), forces);

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstddef>
 
+#include "modal/exponential.h"
+
 namespace dttmm::plugin {
 
 /// Of states y along a piece, from x = 0 to 1: y' = (S[0] + S[1] x + S[2] x²) y; by_lambda is what λ adds to S.
@@ -14,9 +16,8 @@ struct LineEquations {
     std::array<Square, 3> S;
     Square by_lambda;
 
-    static double norm(const Square& of) { return of.cwiseAbs().colwise().sum().maxCoeff(); }
     /// Of all but by_lambda.
-    double norm() const { return norm(S[0]) + norm(S[1]) + norm(S[2]); }
+    double norm() const { return norm_of(S[0]) + norm_of(S[1]) + norm_of(S[2]); }
     bool is_uniform() const { return S[1].isZero(0) && S[2].isZero(0); }
     LineEquations half(double from) const {
         return {{(S[0] + from * S[1] + from * from * S[2]) / 2, (S[1] + 2 * from * S[2]) / 4, S[2] / 8}, by_lambda / 2};

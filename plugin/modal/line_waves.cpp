@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -121,13 +122,20 @@ void LineWaves::group_directions(const Section& s, Directions moving, const Matr
                 const bool bend = other != own && other + own == 6;  // a deflection and its rotation, also where N = GA
                 if (moving[d] && group_of[d] < 0 && (bend || M(other, own) != 0)) add(d);
             }
-        group.A = A(group.directions, group.directions);
-        group.M = M(group.directions, group.directions);
-        group.A_by_N = A_by_N(group.directions, group.directions);
-        group.G_by_N = G_by_N(group.directions, group.directions);
-        group.G_by_N2 = G_by_N2(group.directions, group.directions);
-        group.C = C(group.directions);
         const auto n = as_row(group.directions.size());
+        const auto own = [&](const Matrix6& of) {
+            Group::Few part(n, n);
+            for (Eigen::Index i = 0; i < n; ++i)
+                for (Eigen::Index j = 0; j < n; ++j)
+                    part(i, j) = of(group.directions[as_size(i)], group.directions[as_size(j)]);
+            return part;
+        };
+        group.A = own(A);
+        group.M = own(M);
+        group.A_by_N = own(A_by_N);
+        group.G_by_N = own(G_by_N);
+        group.G_by_N2 = own(G_by_N2);
+        group.C = C(group.directions);
         group.unit_d.setOnes(n);
         group.unit_n.resize(n);
         for (Eigen::Index k = 0; k < n; ++k) {
@@ -258,7 +266,7 @@ std::optional<LineWaves::Expansion> LineWaves::expand(int count, double largest,
             std::array<States, kPowers> powers;
             powers.fill(States::Zero(size, size));
             powers[0].setIdentity();
-            carry_over(equations, equations.norm() + equations.norm(equations.by_lambda), powers);
+            carry_over(equations, equations.norm() + norm_of(equations.by_lambda), powers);
             // Up to the last that is felt
             States most = States::Zero(size, size);
             size_t felt = 0;
@@ -335,10 +343,11 @@ double LineWaves::longest_held(double lambda) const {
     return longest;
 }
 
+std::string LineWaves::too_strong_to_cut() {
+    return fmt::format("its axial force is so strong that it would take more than {} pieces", kMostPieces);
+}
+
 int LineWaves::pieces(double omega, int most) const {
-    // Share of λ: at the frequency of a held bar its stiffness is infinite, with 2 it is -1.7 times that at rest. With 1.05
-    // to 4, 59 random machines, the hydroplane and the headstock have the same frequencies to 3e-10, in the same time.
-    constexpr double kMargin = 2;
     const double count = std::max(1.0, std::ceil(length_ / longest_held(kMargin * omega * omega)));
     return static_cast<int>(std::min(count, most + 1.0));
 }
@@ -456,18 +465,39 @@ Matrix12 LineWaves::transfer(double lambda, double s, double start) const {
 }
 
 LineShapes LineWaves::static_shapes() const {
-    Matrix12 K, start;  // [d; n] at the start by the ends
+    Matrix12 K;
     evaluate<double>(1, 0, 1, K, nullptr);
-    start << Matrix6::Identity(), Matrix6::Zero(), -K.topRows<6>();
     LineShapes shapes;
-    for (size_t k = 0; k < shapes.at.size(); ++k) {
-        const Matrix12 state = transfer(0, LineShapes::kPoints[k] * length_) * start;
-        LineShapes::Shape& shape = shapes.at[k] = {state.topRows<6>(), Eigen::Matrix<double, 6, 12>::Zero()};
-        for (const Group& group : groups_)
-            shape.slope(group.directions, Eigen::all) =
-                group.A_at(axial_at(LineShapes::kPoints[k] * length_)) * state(group.directions, Eigen::all) +
-                group.C.asDiagonal() * state.bottomRows<6>()(group.directions, Eigen::all);
+    for (LineShapes::Shape& shape : shapes.at) {
+        shape.d.setIdentity();
+        shape.slope.setZero();
     }
+    for (const Group& group : groups_)
+        with_size(group.directions.size(), [&]<int n>(std::integral_constant<int, n>) {
+            const auto size = as_row(group.directions.size());
+            const auto at = [&](Eigen::Index k) { return group.directions[as_size(k % size)] + (k < size ? 0 : 6); };
+            Whole<double, n> start(2 * size, 2 * size);  // [d; n] there by the ends
+            for (Eigen::Index i = 0; i < size; ++i)
+                for (Eigen::Index j = 0; j < 2 * size; ++j) {
+                    start(i, j) = i == j;
+                    start(size + i, j) = -K(at(i), at(j));
+                }
+            for (size_t k = 0; k < shapes.at.size(); ++k) {
+                const double place = LineShapes::kPoints[k] * length_;
+                const Waves<double, n> w = waves<double, n>(group, 0, place, 0, 1, false);
+                Column unit(2 * size);
+                unit << w.unit_d, w.unit_n;
+                const Whole<double, n> state = unit.asDiagonal() * (w.U * (unit.cwiseInverse().asDiagonal() * start)).eval();
+                const auto d = state.topRows(size), forces = state.bottomRows(size);
+                const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 12> slope =
+                    group.A_at(axial_at(place)) * d + group.C.asDiagonal() * forces;
+                for (Eigen::Index i = 0; i < size; ++i)
+                    for (Eigen::Index j = 0; j < 2 * size; ++j) {
+                        shapes.at[k].d(at(i), at(j)) = d(i, j);
+                        shapes.at[k].slope(at(i), at(j)) = slope(i, j);
+                    }
+            }
+        });
     return shapes;
 }
 

@@ -18,15 +18,17 @@ struct TwistedShape {
     Eigen::Matrix<double, 6, 13> d, slope;
 };
 using Matrix13 = Eigen::Matrix<double, 13, 13>;
+using Rotations = Eigen::Matrix<double, 3, 13>;
 
 /// The integrand of LineForces::stiffness; load: that turns with the line.
 Matrix13 turning_of_section(const Vector6& forces, const Vector3& load, const TwistedShape& shape) {
     const Vector3 f = forces.head<3>(), m = forces.tail<3>(), e = Vector3::UnitX();
     const auto turn = shape.d.bottomRows<3>();
     const auto shear = shape.slope.topRows<3>(), bend = shape.slope.bottomRows<3>();
-    const Matrix13 half = turn.transpose() * (skew(f) * shear + 0.5 * skew(m) * bend +
-                                              (0.5 * f * e.transpose() - 0.5 * f.x() * Matrix3::Identity()) * turn) +
-                          0.5 * shape.d.topRows<3>().transpose() * skew(load) * turn;
+    const Rotations by_turn = skew(f) * shear + 0.5 * skew(m) * bend +
+                              (0.5 * f * e.transpose() - 0.5 * f.x() * Matrix3::Identity()) * turn,
+                    turned = 0.5 * skew(load) * turn;
+    const Matrix13 half = turn.transpose().lazyProduct(by_turn) + shape.d.topRows<3>().transpose().lazyProduct(turned);
     return half + half.transpose();
 }
 
@@ -147,8 +149,9 @@ Matrix12 LineForces::stiffness(const Piece& piece, const Section& section, const
         const auto bend = shapes.at[k].slope.bottomRows<3>();
         const Matrix3 half = 0.5 * (force * slope.transpose() - force.dot(slope) * Matrix3::Identity()),
                       axes = rotation_from_vector<double>(turn), turned = axes * rigidities.asDiagonal() * axes.transpose();
-        K += weight * (rotation.transpose() * (half + half.transpose()) * rotation +
-                       bend.transpose() * (turned - Matrix3(rigidities.asDiagonal())) * bend);
+        const Eigen::Matrix<double, 3, 12> by_rotation = weight * (half + half.transpose()) * rotation,
+                                           by_bend = weight * (turned - Matrix3(rigidities.asDiagonal())) * bend;
+        K += rotation.transpose().lazyProduct(by_rotation) + bend.transpose().lazyProduct(by_bend);
         longer += weight * shapes.at[k].slope.topRows<3>().transpose() * slope;
     }
     const Vector12 by_twist = sum.topRightCorner<12, 1>();

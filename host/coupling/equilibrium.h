@@ -73,11 +73,13 @@ private:
     struct Correction {
         double work = 0;            ///< of what lacks along it [J]: negative uphill
         double size = 0, turn = 0;  ///< of bodies and insides [m, rad]
+        double bend = 0;            ///< of joints, as share of what their laws hold up to
         std::string mover;
         double rounding = 0;  ///< of the work [J]
         double share = 1;     ///< to be taken of it
     };
     enum class Uphill { is_passed, ends };  ///< places where the stiffness is not positive
+    void follow(double t0);
     void begin(double t0);
     double raise_load(double t0, Uphill uphill);
     std::optional<double> end_of_path(double t0);
@@ -116,7 +118,9 @@ private:
     Eigen::SparseLU<Eigen::SparseMatrix<double>> lu_;
     bool shares_anew_ = true;  ///< redundant joints, among each other
     double resistance_ = 0, least_resistance_ = 0, stiffest_ = 0;
-    double farthest_ = 0;  ///< that one correction may move something [m]
+    double farthest_ = 0;   ///< that one correction may move something [m]
+    double most_bend_ = 0;  ///< that one correction may turn the ends of a joint, as share of what its law holds up to
+    double bend_ = 0;       ///< the largest there is
     double noise_ = 0;
     Uphill uphill_ = Uphill::is_passed;
     bool went_uphill_ = false;

@@ -69,7 +69,7 @@ public:
     void form_static(const std::vector<BodyState>& at, double resistance, double* wrenches, const StiffnessSink& sink);
     /// Of all networks; element: its name, or none.
     struct StaticMeasure {
-        double work = 0, residual = 0, force = 0, noise = 0, shift = 0, turn = 0;
+        double work = 0, residual = 0, force = 0, noise = 0, shift = 0, turn = 0, bend = 0;
         std::string element;
     };
     StaticMeasure correct_static(const double* change);

@@ -190,7 +190,8 @@ dttmm_static_measure NetworkInstance::move_static(const dttmm_motion* bodies, do
 }
 
 dttmm_static_measure NetworkInstance::checked(const dttmm_static_measure& measure) const {
-    for (const double number : {measure.work, measure.residual, measure.force, measure.noise, measure.shift, measure.turn})
+    for (const double number :
+         {measure.work, measure.residual, measure.force, measure.noise, measure.shift, measure.turn, measure.bend})
         if (!std::isfinite(number))
             fail(DTTMM_ERROR_NUMERIC, measure.element, "its forces at rest are not finite: its parts have moved too far");
     return measure;

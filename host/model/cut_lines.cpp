@@ -38,7 +38,9 @@ struct Part {
 class LineCutter {
 public:
     LineCutter(TomlValue& document, const ReadContext& context, const ElementCatalogue& catalogue)
-        : document_(document), context_(context), catalogue_(catalogue) {}
+        : document_(document), context_(context), catalogue_(catalogue) {
+        document_.members.reserve(document_.members.size() + 1);  // add_node() may add "nodes" beside entries at hand
+    }
 
     void divide_sections() {
         TomlValue* elements = find_list("element");

@@ -27,7 +27,9 @@ typedef struct dttmm_static_measure {
     double noise;    /* what of the residual may be rounding [N] */
     double shift;    /* the largest of a point inside by the whole correction [m] */
     double turn;     /* [rad] */
-    int32_t element; /* that hangs on it; -1: none */
+    double bend;     /* the largest turn of the ends of a joint against each other, as share of that up to which its law
+                        holds: after correct what the whole correction changes, after move what it is */
+    int32_t element; /* of the largest shift; -1: none */
 } dttmm_static_measure;
 
 /* Wrenches and motions are 6 per body, matrices 36 numbers per block, as in dttmm_plugin.h. */

@@ -37,7 +37,7 @@ void refuse_beyond_section(const LineWaves::Axial& axial, const Section& section
     for (const double force : axial)
         if (force > most || -force > section.EA)
             throw Error(DTTMM_ERROR_NUMERIC,
-                        fmt::format("its axial force of {:.3g} N is beyond its {} of {:.3g} N", force,
+                        fmt::format("its axial force of {:.3g} N is beyond its {} of {:.3g} N per length at rest", force,
                                     force > most && most < section.EA ? "GA" : "EA", force > most ? most : section.EA));
 }
 

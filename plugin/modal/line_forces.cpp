@@ -19,6 +19,7 @@ struct TwistedShape {
 };
 using Matrix13 = Eigen::Matrix<double, 13, 13>;
 using Rotations = Eigen::Matrix<double, 3, 13>;
+using Strains = Eigen::Matrix<double, 3, 12>;
 
 /// The integrand of LineForces::stiffness; load: that turns with the line.
 Matrix13 turning_of_section(const Vector6& forces, const Vector3& load, const TwistedShape& shape) {
@@ -126,6 +127,15 @@ Matrix12 LineForces::stiffness(const Piece& piece, const Section& section, const
         if (factor_ == 0) return Vector3(Vector3::Zero());
         return Vector3((piece.axes.transpose() * at(share).tail<3>()).cwiseQuotient(factor_ * rigidities));
     };
+    // Shear turns the sections against the axis by α, whose tangent is f/(GA − N) under a force f across it
+    const auto turn_of_section = [&](double share) {
+        const Vector3 force = piece.axes.transpose() * at(share).head<3>();
+        Vector3 tangents = Vector3::Zero();
+        if (factor_ != 0 && std::isfinite(section.GAy)) tangents.z() = -force.y() / (factor_ * section.GAy - force.x());
+        if (factor_ != 0 && std::isfinite(section.GAz)) tangents.y() = force.z() / (factor_ * section.GAz - force.x());
+        const double size = tangents.norm();
+        return size > 0 ? Vector3(std::atan(size) / size * tangents) : tangents;
+    };
     // Curvature is linear along the piece and twist constant; its ends lie on the axis, its middle has the axes of the piece
     const Vector3 a = curvature_at(piece.from), b = curvature_at(piece.to);
     const double h = piece.length;
@@ -145,14 +155,25 @@ Matrix12 LineForces::stiffness(const Piece& piece, const Section& section, const
         twisted.d << shapes.at[k].d, Vector6::Unit(3) * (4 * t * (1 - t));
         twisted.slope << shapes.at[k].slope, Vector6::Unit(3) * (4 * (1 - 2 * t) / h);
         sum += weight * turning_of_section(forces, turning_load(share), twisted);
+        const Vector3 normal = turn_of_section(share);
         const auto rotation = shapes.at[k].d.bottomRows<3>();
         const auto bend = shapes.at[k].slope.bottomRows<3>();
         const Matrix3 half = 0.5 * (force * slope.transpose() - force.dot(slope) * Matrix3::Identity()),
-                      axes = rotation_from_vector<double>(turn), turned = axes * rigidities.asDiagonal() * axes.transpose();
+                      axes = rotation_from_vector<double>(turn + normal),
+                      turned = axes * rigidities.asDiagonal() * axes.transpose();
         const Eigen::Matrix<double, 3, 12> by_rotation = weight * (half + half.transpose()) * rotation,
                                            by_bend = weight * (turned - Matrix3(rigidities.asDiagonal())) * bend;
         K += rotation.transpose().lazyProduct(by_rotation) + bend.transpose().lazyProduct(by_bend);
         longer += weight * shapes.at[k].slope.topRows<3>().transpose() * slope;
+        Strains strains = shapes.at[k].slope.topRows<3>();
+        strains.row(1) -= rotation.row(2);
+        strains.row(2) += rotation.row(1);
+        const Strains own = rotation_from_vector<double>(normal).transpose() * strains;
+        longer += weight * (own.row(0) - strains.row(0)).transpose();
+        for (const auto& [i, stiffness] : {std::pair(1, section.GAy), std::pair(2, section.GAz)})
+            if (std::isfinite(stiffness))
+                K +=
+                    weight * stiffness * (own.row(i).transpose() * own.row(i) - strains.row(i).transpose() * strains.row(i));
     }
     const Vector12 by_twist = sum.topRightCorner<12, 1>();
     K += sum.topLeftCorner<12, 12>() - by_twist * by_twist.transpose() / (16 * section.GJ / (3 * h));

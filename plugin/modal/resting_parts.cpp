@@ -63,7 +63,10 @@ void RestingParts::find_lines() {
                 if (k + 1 < links.size()) {
                     const Vector6 local = both(pose.axes.transpose()) * forces;
                     const double step = (line.finish - line.start).norm() / static_cast<double>(links.size() - 1);
-                    move_to(point + pose.axes * beside_joint(local, step, line.line.section, description_.rest->factor));
+                    // Its force acts on the side of the next segment, from which the other is d apart
+                    const Vector3 d = pose.axes.transpose() * pose.arm - joint.seat().rest;
+                    move_to(point +
+                            pose.axes * (beside_joint(local, step, line.line.section, description_.rest->factor) - 0.5 * d));
                 } else {
                     move_to(links[k].to.point(line.finish));
                     own.turned = rotation_vector(Matrix3(own.axes.transpose() * joint.seat().axes_at_to(FrameView(at_to))));

@@ -377,7 +377,14 @@ StaticNetwork::Measure StaticNetwork::correct(std::span<const Vector6> port_chan
         add_port_motion(port_change);
         matrix_.solve(correction_.u, correction_.q);
     }
-    return measure();
+    Measure found = measure();
+    for (const auto& [placed, rest] : joints_) {
+        const Joint& joint = placed.joint;
+        if (!std::isfinite(joint.law().most_turn)) continue;
+        const Vector6 change = change_of_deformation(placed, motion_of(joint.from()), motion_of(joint.to()));
+        found.bend = std::max(found.bend, change.tail<3>().norm() / joint.law().most_turn);
+    }
+    return found;
 }
 
 StaticNetwork::Measure StaticNetwork::move(Ports ports, double share) {
@@ -398,7 +405,10 @@ StaticNetwork::Measure StaticNetwork::move(Ports ports, double share) {
     for (size_t k = 0; k < now_.q.size(); ++k) now_.q[k] = base_.q[k] + share * correction_.q[k];
     place_joints();
     find_residuals();
-    return measure();
+    Measure found = measure();
+    for (const auto& [placed, rest] : joints_)
+        found.bend = std::max(found.bend, placed.x.tail<3>().norm() / placed.joint.law().most_turn);
+    return found;
 }
 
 }  // namespace dttmm::plugin

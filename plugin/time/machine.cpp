@@ -403,6 +403,7 @@ dttmm_static_measure Machine::measure_static(const Find& find) {
         all.force = std::max(all.force, own.force);
         all.noise = std::max(all.noise, own.noise);
         all.turn = std::max(all.turn, own.turn);
+        all.bend = std::max(all.bend, own.bend);
         if (own.element < 0 || own.shift < all.shift) return;
         all.shift = own.shift;
         all.element = static_cast<int32_t>(part.network.places().elements[as_size(own.element)]);

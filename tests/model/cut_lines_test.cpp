@@ -60,6 +60,15 @@ TEST(CutLines, SectionsAreAChainOfElements) {
     EXPECT_EQ(model.elements[1].place, "m.toml:23:1");
 }
 
+// A file without nodes gets some, while its elements are at hand.
+TEST(CutLines, SectionsAndProbesInAFileWithoutNodes) {
+    const Model model = parse_lines("[[body]]\nname = \"other\"\nmass = 2\ninertia = [2, 3, 4]\nmarkers.b = [1, 2, 7]\n" +
+                                    std::string(kPole).replace(kPole.find("root"), 4, "other.b") + kSections +
+                                    "[[probe]]\nname = \"high\"\non = \"pole\"\nat = 0.1\n");
+    EXPECT_EQ(model.elements.size(), 4u);
+    EXPECT_EQ(model.nodes.size(), 3u);
+}
+
 // Oracle: the cuts by hand: at 1.5 m in the second section, at 0.5 m in the first, whose ten lumps are five and five.
 // Of the four lumps of the second, 0.375 m long, 0.5 m and 1 m need two and three.
 TEST(CutLines, ProbesCutTheirLine) {

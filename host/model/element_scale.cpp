@@ -23,14 +23,15 @@ bool is_of(const dttmm_parameter& parameter, ScaledPart part) {
 }
 
 /// Calls act(number) for all numbers of a kind that are there and not zero.
-template <class ElementLike, class Act>
-void for_each_of(ElementLike& element, const ElementCatalogue& catalogue, ScaledPart part, const Act& act) {
+template <class Numbers, class Act>
+void for_each_of(const Element& element, Numbers& values, const ElementCatalogue& catalogue, ScaledPart part,
+                 const Act& act) {
     const dttmm_element_type& type = *catalogue.types[as_size(element.type)];
     size_t at = 0;
     for (uint32_t p = 0; p < type.parameter_count; at += type.parameters[p++].count) {
         if (!is_of(type.parameters[p], part)) continue;
         for (size_t i = at; i < at + type.parameters[p].count; ++i)
-            if (std::isfinite(element.values[i]) && element.values[i] != 0) act(element.values[i]);
+            if (std::isfinite(values[i]) && values[i] != 0) act(values[i]);
     }
 }
 
@@ -38,7 +39,7 @@ void for_each_of(ElementLike& element, const ElementCatalogue& catalogue, Scaled
 
 bool has_part(const Element& element, const ElementCatalogue& catalogue, ScaledPart part) {
     bool has = false;
-    for_each_of(element, catalogue, part, [&](double) { has = true; });
+    for_each_of(element, element.values, catalogue, part, [&](double) { has = true; });
     return has;
 }
 
@@ -52,7 +53,7 @@ void scale_element(Model& model, const ElementCatalogue& catalogue, const Elemen
         if (!has_part(*element, catalogue, part))
             throw Error(ExitCode::model_invalid, fmt::format("element {} has no {}", quote(scale.element),
                                                              part == ScaledPart::stiffness ? "stiffness" : "damping"));
-        for_each_of(*element, catalogue, part, [f = factor](double& value) { value *= f; });
+        for_each_of(*element, element->values.change(), catalogue, part, [f = factor](double& value) { value *= f; });
     }
 }
 

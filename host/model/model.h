@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "model/shared_numbers.h"
 #include "model/signal.h"
 #include "model/warning.h"
 
@@ -98,7 +99,7 @@ struct Element {
     std::string name;
     int type = -1;                             ///< index into the catalogue the model was read with
     std::vector<Attachment> ends;              ///< from and to, or those of `at`, as the type declares
-    std::vector<double> values;                ///< numbers of all parameters of the type, in the order declared
+    SharedNumbers values;                      ///< numbers of all parameters of the type, in the order declared
     std::string place;                         ///< "file:line:column", for errors found later
     std::optional<Eigen::Matrix3d> axes = {};  ///< in the world at the start; none: those of the `from` end, of the other
                                                ///< end where that is the ground

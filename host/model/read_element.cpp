@@ -168,7 +168,7 @@ private:
         if (!ends || !values) return;
         element.ends = *ends;
         if (!reads_at(table, type)) element.axes = read_axes(table, *catalogue_.types[as_size(type)], *ends, attachments_);
-        element.values = *values;
+        element.values = share(*values);
         warn(table, element);
         move_ground_end(table, element);
         elements_.push_back(std::move(element));
@@ -206,12 +206,20 @@ private:
         const auto is_zero = [](double value) { return value == 0 || std::isnan(value); };  // not given
         if (!element.values.empty() && std::all_of(element.values.begin(), element.values.end(), is_zero))
             table.warning(table.place(), "free-element", "free: every parameter is zero, it carries nothing");
-        std::vector<double> numbers = element.values;
-        if (element.axes) numbers.insert(numbers.end(), element.axes->data(), element.axes->data() + 9);
-        const auto [twin, is_new] = seen_.emplace(std::tuple(element.type, element.ends, bits_of(numbers)), element.name);
+        std::vector<std::uint64_t> axes;
+        if (element.axes) axes = bits_of({element.axes->data(), element.axes->data() + 9});
+        const auto [twin, is_new] =
+            seen_.emplace(std::tuple(element.type, element.ends, element.values.data(), axes), element.name);
         if (!is_new)
             table.warning(table.place(), "duplicate-element",
                           fmt::format("identical to element {}: same ends, type and values", quote(twin->second)));
+    }
+
+    /// Equal numbers once, for all elements that have them.
+    SharedNumbers share(const std::vector<double>& values) {
+        SharedNumbers& shared = shared_[bits_of(values)];
+        if (shared.empty()) shared = values;
+        return shared;
     }
 
     /// Numbers that can be put in order: not a number stands for what the model does not give.
@@ -226,7 +234,9 @@ private:
     const std::vector<const NameRegistry*>& others_;
     NameRegistry& names_;
     std::vector<Node>& nodes_;
-    std::map<std::tuple<int, Ends, std::vector<std::uint64_t>>, std::string> seen_;
+    std::map<std::vector<std::uint64_t>, SharedNumbers> shared_;
+    /// By type, ends, where the numbers stand, which are shared, and axes.
+    std::map<std::tuple<int, Ends, const double*, std::vector<std::uint64_t>>, std::string> seen_;
     std::vector<Element> elements_;
 };
 

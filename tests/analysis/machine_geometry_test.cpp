@@ -51,7 +51,7 @@ protected:
             element.ends = {from, to};
             for (uint32_t p = 0; p < type->parameter_count; ++p)
                 for (uint32_t i = 0; i < type->parameters[p].count; ++i)
-                    element.values.push_back(type->parameters[p].name == std::string("up") ? up[i] : -1.0 - i);
+                    element.values.change().push_back(type->parameters[p].name == std::string("up") ? up[i] : -1.0 - i);
             return place_at_start(model_, element, *type);
         }
         ADD_FAILURE() << "no type " << type_name;

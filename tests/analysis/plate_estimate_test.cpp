@@ -93,7 +93,7 @@ public:
         const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
         model_ = parse_model(text, path, plugins_.catalogue());
         for (size_t i = 0; i < 4; ++i)
-            for (size_t axis = 0; axis < 3; ++axis) model_.elements[i].values[axis] = plate.k[i];
+            for (size_t axis = 0; axis < 3; ++axis) model_.elements[i].values.change()[axis] = plate.k[i];
         struct Load : Signal::Shape {
             explicit Load(const Case& of) : plate(of) {}
             double value(double time) const override { return plate.load(time); }

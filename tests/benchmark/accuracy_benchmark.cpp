@@ -165,7 +165,7 @@ private:
 
 Model make_model(const PlateOnBolts& plate, const Plugins& plugins, Coupling coupling, long per_millisecond) {
     Model model = test::plate_stack(plugins, 1, 0, plate.c, step_size(per_millisecond), coupling);
-    for (size_t i = 0; i < 4; ++i) std::fill_n(model.elements[i].values.begin(), 3, plate.k[i]);
+    for (size_t i = 0; i < 4; ++i) std::fill_n(model.elements[i].values.change().begin(), 3, plate.k[i]);
     model.loads[0].signal = test::smooth_rise(kLoad, plate.rise_time);
     model.simulation.duration = 1e-3 * kMilliseconds;
     model.output.every = static_cast<int>(per_millisecond);

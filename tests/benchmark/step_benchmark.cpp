@@ -81,7 +81,7 @@ double time_per_step(Stepper& stepper, int steps) {
 Model plate(const Plugins& plugins, Coupling coupling, bool lively) {
     Model model = test::plate_stack(plugins, 1, kStiffness, lively ? 0 : kDamping, kStep, coupling);
     if (lively)
-        for (size_t i = 0; i < 3; ++i) model.elements[0].values[i] *= 0.8;
+        for (size_t i = 0; i < 3; ++i) model.elements[0].values.change()[i] *= 0.8;
     return model;
 }
 

@@ -309,7 +309,7 @@ TEST(EndOfStep, NumericalDampingDoesNotBrakeAMachineThatTurns) {
         model.bodies.push_back(body);
     }
     Element pin = test::spring("pin", plugins, {0, 0}, {1, 0}, 1e9, 0);
-    for (size_t i = 6; i < 9; ++i) pin.values[i] = 1e6;
+    for (size_t i = 6; i < 9; ++i) pin.values.change()[i] = 1e6;
     model.elements.push_back(pin);
     Simulation simulation(model, plugins);
     for (int n = 0; n < 500; ++n) simulation.step();  // the pull is not there at the start: what that excites dies out
@@ -382,7 +382,7 @@ Model held_at_corners(const Plugins& plugins, const Eigen::Vector3d& k, double t
     model.bodies.push_back(body);
     for (int corner = 0; corner < 4; ++corner) {
         Element spring = test::spring("spring" + std::to_string(corner), plugins, {}, {0, corner}, 0, 0);
-        for (int i : {0, 1, 2}) spring.values[static_cast<size_t>(i)] = k(i);
+        for (int i : {0, 1, 2}) spring.values.change()[static_cast<size_t>(i)] = k(i);
         model.elements.push_back(spring);
     }
     return model;

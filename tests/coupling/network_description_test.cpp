@@ -147,7 +147,7 @@ TEST(Networks, ARefusalNamesThePlaceOfTheElementThatIsBlamed) {
     model.path = "machine.toml";
     for (Element& element : model.elements) element.place = "machine.toml: " + element.name;
     Model unlucky = model, massless = model;
-    unlucky.elements[4].values[0] = 13;
+    unlucky.elements[4].values.change()[0] = 13;
     EXPECT_THAT(refusal(unlucky), testing::StartsWith("machine.toml: masses: element \"masses\" (plugin "));
     massless.elements[4].ends.pop_back();
     EXPECT_THAT(refusal(massless), testing::StartsWith("machine.toml: plugin " + test::paths::chain() + ": a node has"));

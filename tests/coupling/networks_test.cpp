@@ -140,7 +140,7 @@ TEST(Networks, NeighboursAreTheBodiesThatShareAnElement) {
 TEST(Networks, ARefusalNamesTheElementsPlace) {
     const Plugins plugins;
     Model model = two_bodies(plugins);
-    model.elements[1].values[4] = -1;
+    model.elements[1].values.change()[4] = -1;
     model.elements[1].place = "machine.toml:31:1";
     try {
         const Networks networks(model, plugins);

@@ -85,8 +85,8 @@ protected:
         spring.name = "stay";
         spring.type = static_cast<int>(type - types.begin());
         spring.ends = {{0, 0}, {-1, -1, 0}};
-        for (uint32_t p = 0; p < (*type)->parameter_count; ++p)
-            spring.values.insert(spring.values.end(), (*type)->parameters[p].count, 1);
+        std::vector<double>& values = spring.values.change();
+        for (uint32_t p = 0; p < (*type)->parameter_count; ++p) values.insert(values.end(), (*type)->parameters[p].count, 1);
         model_.elements.push_back(spring);
     }
     std::string draw() const { return draw_three_views(model_, plugins_.catalogue()); }

@@ -22,7 +22,7 @@ TEST(Allocation, NothingIsAllocatedInTheStepLoop) {
     const Plugins plugins;
     for (Coupling coupling : {Coupling::implicit, Coupling::explicit_}) {
         Model model = test::plate_stack(plugins, 5, 5e5, 100, 1e-3, coupling);
-        model.elements[7].values[0] *= 0.8;  // tilts the plates: more than one pass per step
+        model.elements[7].values.change()[0] *= 0.8;  // tilts the plates: more than one pass per step
         Body lever = test::box("lever", 1, {0.2, 0.02, 0.02}, {1, 0, 0});
         lever.angular_velocity = {0, 0, 4};
         model.bodies.push_back(lever);

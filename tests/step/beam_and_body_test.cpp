@@ -112,7 +112,7 @@ double error_of_tip(int refinement, double& largest_moment) {
     Model model = read_model(std::filesystem::path(test::paths::source_dir()) / "examples/beam_and_body/model.toml",
                              plugins.catalogue());
     model.simulation.step /= refinement;
-    model.elements[0].values[1] *= refinement;  // segments
+    model.elements[0].values.change()[1] *= refinement;  // segments
     Simulation simulation(model, plugins);
     std::map<std::string, size_t> column;
     for (size_t c = 0; c < simulation.channels().size(); ++c) column[simulation.channels()[c].name()] = c;

@@ -206,7 +206,7 @@ TEST(Gun, StepAndSegmentsAreFineEnough) {
     const auto barrel = std::ranges::find(fine.elements, "barrel", &Element::name);
     const size_t segments = 1;  // its place among the values
     ASSERT_EQ(barrel->values[segments], 24);
-    barrel->values[segments] = 48;
+    barrel->values.change()[segments] = 48;
     const Row by_step = difference(history, run(half, plugins), 2).cwiseQuotient(scale(history));
     const Row by_segments = difference(history, run(fine, plugins)).cwiseQuotient(scale(history));
     EXPECT_LT(by_step.maxCoeff(), 0.01);

@@ -197,7 +197,7 @@ Model slider_crank(const Plugins& plugins, CouplerJoint joint, double stiffness)
         model.joints.push_back(weld);
     } else {
         Element element = test::spring("weld", plugins, {1, 1}, {2, 0}, stiffness, 0);
-        for (int i = 6; i < 9; ++i) element.values[static_cast<size_t>(i)] = stiffness * 1e-2;
+        for (int i = 6; i < 9; ++i) element.values.change()[static_cast<size_t>(i)] = stiffness * 1e-2;
         model.elements.push_back(element);
     }
     return model;

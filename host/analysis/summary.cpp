@@ -152,7 +152,8 @@ Json number_json(double value) { return std::isnan(value) ? Json() : Json(value)
 Json list_unselected(const Halving& halving, std::span<const Channel> channels) {
     Json names = Json::array();
     for (int c = 1; c < as_int(channels.size()); ++c)
-        if (counts_in_summary(channels[as_size(c)]) && !halving.is_selected(c)) names.push_back(channels[as_size(c)].name());
+        if (counts_in_summary(channels[as_size(c)]) != Recorder::Counts::nothing && !halving.is_selected(c))
+            names.push_back(channels[as_size(c)].name());
     return names;
 }
 
@@ -309,8 +310,10 @@ Json describe_warnings(const Warnings& warnings) {
     return list;
 }
 
-bool counts_in_summary(const Channel& channel) {
-    return tells_of_link(channel) || is_position(channel) || is_acceleration(channel) || channel.of() == Channel::Of::energy;
+Recorder::Counts counts_in_summary(const Channel& channel) {
+    if (channel.of() == Channel::Of::energy) return Recorder::Counts::extremes;
+    const bool is_told = tells_of_link(channel) || is_position(channel) || is_acceleration(channel);
+    return is_told ? Recorder::Counts::peak : Recorder::Counts::nothing;
 }
 
 void write_run(JsonWriter& out, const Model& model, const Request& request, const Plugins& plugins,

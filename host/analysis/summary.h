@@ -30,8 +30,8 @@ Json describe_warnings(const Warnings& warnings);
 /// file has them.
 void write_model(JsonWriter& out, const Model& model, const ElementCatalogue& catalogue);
 
-/// Whether write_run, warn_of_run or the table of a run need the statistics of a channel.
-bool counts_in_summary(const Channel& channel);
+/// What write_run, warn_of_run and the table of a run need of a channel's statistics.
+Recorder::Counts counts_in_summary(const Channel& channel);
 
 /// Members of a run's summary.json: status, warnings, inputs, versions, step count and time per step, coupling, omega*h,
 /// energy, peak and final values of every element, joint and marker, the resolved model. `simulation` is the run whose

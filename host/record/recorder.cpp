@@ -7,6 +7,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <ranges>
 #include <utility>
 
 #include "model/error.h"
@@ -29,12 +30,10 @@ float to_float(double value) {
 
 }  // namespace
 
-Recorder::Recorder(std::span<const Channel> all, HasStatistics has_statistics) : channels_(all) {
-    find_counted(has_statistics);
-}
+Recorder::Recorder(std::span<const Channel> all, CountsOf counts_of) : channels_(all) { find_counted(counts_of); }
 
 Recorder::Recorder(const ResultsFolder& folder, std::span<const Channel> all, std::vector<int> selection,
-                   const Attributes& attributes, Rows rows, HasStatistics has_statistics)
+                   const Attributes& attributes, Rows rows, CountsOf counts_of)
     : channels_(all), selection_(std::move(selection)) {
     std::vector<Column> picked = pick(channels_, selection_);
     check_columns(picked);
@@ -44,34 +43,43 @@ Recorder::Recorder(const ResultsFolder& folder, std::span<const Channel> all, st
             picked.push_back({picked[i].name + ".error", picked[i].unit});
     selected_values_.resize(picked.size());
     hdf5_.emplace(folder.file("history.h5"), picked, attributes);
-    find_counted(has_statistics);  // last: HDF5 writes the attributes with several copies of them
+    find_counted(counts_of);  // last: HDF5 writes the attributes with several copies of them
 }
 
-void Recorder::find_counted(HasStatistics has_statistics) {
+void Recorder::find_counted(CountsOf counts_of) {
     const auto alternates = [&](int c) {
         const Channel& channel = channels_[as_size(c)];
         return (channel.unit() == "N" || channel.unit() == "m/s^2") && channel.by_default();
     };
-    counted_.reserve(as_size(std::ranges::count_if(channels_, has_statistics)));
-    for (int c = 0; c < as_int(channels_.size()); ++c)
-        if (has_statistics(channels_[as_size(c)])) counted_.push_back(c);
-    alternations_.reserve(as_size(std::ranges::count_if(counted_, alternates)));
+    const auto counts = [&](int c) { return counts_of(channels_[as_size(c)]) != Counts::nothing; };
+    const auto has_extremes = [&](int c) { return counts_of(channels_[as_size(c)]) == Counts::extremes; };
+    const auto all = std::views::iota(0, as_int(channels_.size()));
+    counted_.reserve(as_size(std::ranges::count_if(all, counts)));
+    for (const bool first : {true, false}) {
+        for (const int c : all)
+            if (counts(c) && alternates(c) == first) counted_.push_back(c);
+        if (first) alternations_.resize(counted_.size());
+    }
+    extremes_.reserve(as_size(std::ranges::count_if(counted_, has_extremes)));
     for (int i = 0; i < as_int(counted_.size()); ++i)
-        if (alternates(counted_[as_size(i)])) alternations_.push_back({i});
+        if (has_extremes(counted_[as_size(i)])) extremes_.push_back(i);
     for (const int channel : selection_) selected_counted_.push_back(find_statistics(channel));
-    statistics_ = Statistics(as_row(counted_.size()));
+    statistics_ = Statistics(as_row(counted_.size()), as_row(extremes_.size()));
 }
 
 /// Where a channel's statistics stand; −1: it has none.
 int Recorder::find_statistics(int channel) const {
-    const auto found = std::ranges::lower_bound(counted_, channel);
-    return found != counted_.end() && *found == channel ? as_int(found - counted_.begin()) : -1;
+    const auto end_of_first = counted_.begin() + as_row(alternations_.size());
+    for (const auto& [begin, end] : {std::pair(counted_.begin(), end_of_first), std::pair(end_of_first, counted_.end())})
+        if (const auto found = std::lower_bound(begin, end, channel); found != end && *found == channel)
+            return as_int(found - counted_.begin());
+    return -1;
 }
 
-/// Those among the counted channels first … end − 1.
-std::span<Recorder::Alternation> Recorder::alternations(int first, int end) {
-    const auto begin = std::ranges::lower_bound(alternations_, first, {}, &Alternation::counted);
-    return {begin, std::ranges::lower_bound(begin, alternations_.end(), end, {}, &Alternation::counted)};
+/// Where its minimum and maximum stand; −1: it has none.
+int Recorder::find_extremes(int counted) const {
+    const auto found = std::ranges::lower_bound(extremes_, counted);
+    return found != extremes_.end() && *found == counted ? as_int(found - extremes_.begin()) : -1;
 }
 
 void Recorder::close_row(std::span<const double> values) {
@@ -110,12 +118,15 @@ void Recorder::close_selected_row(std::span<const double> values, std::span<cons
 }
 
 void Recorder::adopt_unselected(const Recorder& other) {
-    assert(counted_ == other.counted_);
+    assert(counted_ == other.counted_ && extremes_ == other.extremes_);
     for (int i = 0; i < as_int(counted_.size()); ++i) {
         if (std::ranges::binary_search(selection_, counted_[as_size(i)])) continue;
-        for (const auto kind : {&Statistics::peak_time, &Statistics::minimum, &Statistics::maximum, &Statistics::final})
+        for (const auto kind : {&Statistics::peak, &Statistics::peak_time, &Statistics::final})
             (statistics_.*kind)[i] = (other.statistics_.*kind)[i];
-        for (Alternation& one : alternations(i, i + 1)) one = other.alternations_[as_size(&one - alternations_.data())];
+        if (const int at = find_extremes(i); at >= 0)
+            for (const auto kind : {&Statistics::minimum, &Statistics::maximum})
+                (statistics_.*kind)[at] = (other.statistics_.*kind)[at];
+        if (alternates(i)) alternations_[as_size(i)] = other.alternations_[as_size(i)];
     }
 }
 
@@ -133,23 +144,20 @@ ChannelStatistics Recorder::statistics(int channel) const {
         throw Error(ExitCode::internal_error,
                     fmt::format("channel \"{}\" has no statistics; this is a fault of dttmm, please report it",
                                 channels_[as_size(channel)].name()));
-    const auto one = std::ranges::lower_bound(alternations_, i, {}, &Alternation::counted);
-    const bool is_followed = one != alternations_.end() && one->counted == i;
-    return {std::max(std::abs(s.minimum[i]), std::abs(s.maximum[i])),
-            s.peak_time[i],
-            s.minimum[i],
-            s.maximum[i],
-            s.final[i],
-            is_followed ? one->ripple : 0,
-            is_followed ? one->mean : 0,
-            is_followed ? one->bend : 0};
+    ChannelStatistics told{s.peak[i], s.peak_time[i], 0, 0, s.final[i]};
+    if (const int at = find_extremes(i); at >= 0) told.minimum = s.minimum[at], told.maximum = s.maximum[at];
+    if (alternates(i)) {
+        const Alternation& one = alternations_[as_size(i)];
+        told.ripple = one.ripple, told.ripple_final = one.mean, told.bend = one.bend;
+    }
+    return told;
 }
 
 /// What a value does to the ripple and bend of its channel, before it is in the statistics.
-inline void Recorder::count_alternation(Alternation& one, double value) const {
+inline void Recorder::count_alternation(int counted, double value) {
     if (rows_ == 0) return;
-    const double before = statistics_.final[one.counted];
-    const double peak = std::max(-statistics_.minimum[one.counted], statistics_.maximum[one.counted]);
+    Alternation& one = alternations_[as_size(counted)];
+    const double before = statistics_.final[counted], peak = statistics_.peak[counted];
     const float change = to_float(value - before);
     if (rows_ >= 2 && std::abs(before) == peak) one.bend = std::abs(change - one.change);
     if (std::abs(value) > peak) one.bend = 0;
@@ -164,20 +172,24 @@ inline void Recorder::count_alternation(Alternation& one, double value) const {
 /// What the values of the counted channels first … end − 1 do to the statistics.
 template <class ValueOf>
 void Recorder::count(int first, int end, const ValueOf& value_of, double time) {
-    for (Alternation& one : alternations(first, end)) count_alternation(one, value_of(one.counted));
+    for (int i = first; i < std::min(end, as_int(alternations_.size())); ++i) count_alternation(i, value_of(i));
     double *__restrict value = statistics_.final.data(), *__restrict peak_time = statistics_.peak_time.data(),
-           *__restrict minimum = statistics_.minimum.data(), *__restrict maximum = statistics_.maximum.data();
+           *__restrict peak = statistics_.peak.data();
     for (int i = first; i < end; ++i) value[i] = value_of(i);
     if (rows_ == 0) {
         std::fill(peak_time + first, peak_time + end, time);
-        std::copy(value + first, value + end, minimum + first);
-        std::copy(value + first, value + end, maximum + first);
+        for (int i = first; i < end; ++i) peak[i] = std::abs(value[i]);
     }
-    for (int i = first; i < end; ++i) {                         // without a branch: several at a time
-        const double peak = std::max(-minimum[i], maximum[i]);  // up to the row before
-        peak_time[i] = std::abs(value[i]) > peak ? time : peak_time[i];
-        minimum[i] = value[i] < minimum[i] ? value[i] : minimum[i];
-        maximum[i] = value[i] > maximum[i] ? value[i] : maximum[i];
+    for (int i = first; i < end; ++i) {  // without a branch: several at a time
+        const double size = std::abs(value[i]);
+        peak_time[i] = size > peak[i] ? time : peak_time[i];
+        peak[i] = size > peak[i] ? size : peak[i];
+    }
+    const auto from = std::ranges::lower_bound(extremes_, first), to = std::lower_bound(from, extremes_.end(), end);
+    for (auto at = from; at != to; ++at) {
+        double &least = statistics_.minimum[at - extremes_.begin()], &most = statistics_.maximum[at - extremes_.begin()];
+        least = rows_ == 0 ? value[*at] : std::min(least, value[*at]);
+        most = rows_ == 0 ? value[*at] : std::max(most, value[*at]);
     }
 }
 

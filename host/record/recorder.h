@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "model/index.h"
 #include "record/channels.h"
 #include "record/column.h"
 #include "record/csv_writer.h"
@@ -39,16 +40,17 @@ struct ChannelStatistics {
 class Recorder {
 public:
     enum class Rows : unsigned char { plain, estimated };
-    /// Whether a channel has statistics.
-    using HasStatistics = bool (*)(const Channel&);
-    static bool of_every_channel(const Channel&) { return true; }
+    /// What statistics() tells of a channel: nothing; all but minimum and maximum, which are zero; or all.
+    enum class Counts : unsigned char { nothing, peak, extremes };
+    using CountsOf = Counts (*)(const Channel&);
+    static Counts of_every_channel(const Channel&) { return Counts::extremes; }
 
     /// all: outlive the recorder; selection: indices into them as select_channels gives them; rows: which of the two ways
     /// they come. Throws Error(input_output), or Error(internal_error) for selected channels that check_columns refuses.
     Recorder(const ResultsFolder& folder, std::span<const Channel> all, std::vector<int> selection,
-             const Attributes& attributes, Rows rows = Rows::plain, HasStatistics has_statistics = of_every_channel);
+             const Attributes& attributes, Rows rows = Rows::plain, CountsOf counts_of = of_every_channel);
     /// Statistics only: nothing is written.
-    explicit Recorder(std::span<const Channel> all, HasStatistics has_statistics = of_every_channel);
+    explicit Recorder(std::span<const Channel> all, CountsOf counts_of = of_every_channel);
 
     /// values: one per channel of `all`; the first is the time [s]. Throws Error(internal_error) that names a channel whose
     /// value is not finite; the row is then neither written nor counted. Throws Error(input_output) when it cannot be
@@ -72,31 +74,35 @@ private:
     /// One kind of number of all these channels stands together, so that a row is counted several at a time.
     struct Statistics {
         Statistics() = default;
-        explicit Statistics(Eigen::Index count) {
-            for (Eigen::ArrayXd* numbers : {&peak_time, &minimum, &maximum, &final}) numbers->setZero(count);
+        Statistics(Eigen::Index count, Eigen::Index extremes) {
+            for (Eigen::ArrayXd* numbers : {&peak, &peak_time, &final}) numbers->setZero(count);
+            for (Eigen::ArrayXd* numbers : {&minimum, &maximum}) numbers->setZero(extremes);
         }
-        Eigen::ArrayXd peak_time, minimum, maximum, final;
+        Eigen::ArrayXd peak, peak_time, final;
+        Eigen::ArrayXd minimum, maximum;  ///< of those in extremes_
     };
     /// More of a force or acceleration. Seven digits are enough for what a warning compares with a share of the peak.
     struct Alternation {
-        int counted;  ///< index into counted_
         float ripple = 0, bend = 0;
         float change = 0;  ///< in the last row
         float mean = 0;    ///< mean amplitude at which the last rows alternated
     };
 
     void check_finite(int channel, double value, double time) const;
-    void find_counted(HasStatistics has_statistics);
+    void find_counted(CountsOf counts_of);
     int find_statistics(int channel) const;
-    std::span<Alternation> alternations(int first, int end);
-    void count_alternation(Alternation& one, double value) const;
+    int find_extremes(int counted) const;
+    bool alternates(int counted) const { return as_size(counted) < alternations_.size(); }
+    void count_alternation(int counted, double value);
     template <class ValueOf>
     void count(int first, int end, const ValueOf& value_of, double time);
 
     std::span<const Channel> channels_;
-    std::vector<int> counted_;  ///< the channels that have statistics, ascending
+    /// The channels that have statistics: first those of alternations_, then the others; both ascending.
+    std::vector<int> counted_;
+    std::vector<int> extremes_;  ///< indices into counted_ of those with minimum and maximum, ascending
     Statistics statistics_;
-    std::vector<Alternation> alternations_;  ///< in the order of counted_
+    std::vector<Alternation> alternations_;
     long rows_ = 0;
 
     std::vector<int> selection_;

@@ -13,12 +13,13 @@ using Of = Channel::Of;
 TEST(Summary, CountsWhatARunTells) {
     for (const Of of : {Of::element, Of::joint, Of::node, Of::body, Of::marker}) {
         for (const char* quantity : {"force", "moment", "angle", "travel", "length", "position", "acceleration"})
-            EXPECT_TRUE(counts_in_summary(Channel(of, "part", quantity, "x", "N"))) << quantity;
+            EXPECT_EQ(counts_in_summary(Channel(of, "part", quantity, "x", "N")), Recorder::Counts::peak) << quantity;
         for (const char* quantity : {"deflection", "rotation", "velocity", "quaternion", "section3.force"})
-            EXPECT_FALSE(counts_in_summary(Channel(of, "part", quantity, "x", "N"))) << quantity;
+            EXPECT_EQ(counts_in_summary(Channel(of, "part", quantity, "x", "N")), Recorder::Counts::nothing) << quantity;
     }
     for (const char* quantity : {"kinetic", "residual"})
-        EXPECT_TRUE(counts_in_summary(Channel(Of::energy, "energy", quantity, "", "J"))) << quantity;
+        EXPECT_EQ(counts_in_summary(Channel(Of::energy, "energy", quantity, "", "J")), Recorder::Counts::extremes)
+            << quantity;
 }
 
 }  // namespace

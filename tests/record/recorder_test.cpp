@@ -89,8 +89,11 @@ TEST(Recorder, TracksEveryChannel) {
 TEST(Recorder, CountsTheChannelsAskedFor) {
     const TemporaryFolder temporary;
     const ResultsFolder folder(temporary / "plate");
-    const auto is_of_bolt = [](const Channel& channel) { return channel.name().starts_with("bolt1"); };
-    Recorder all(kPlateChannels), few(folder, kPlateChannels, {0, 1, 3}, {}, Recorder::Rows::plain, is_of_bolt);
+    const auto counts_of_bolt = [](const Channel& channel) {
+        if (!channel.name().starts_with("bolt1")) return Recorder::Counts::nothing;
+        return channel.name().ends_with("y") ? Recorder::Counts::extremes : Recorder::Counts::peak;
+    };
+    Recorder all(kPlateChannels), few(folder, kPlateChannels, {0, 1, 3}, {}, Recorder::Rows::plain, counts_of_bolt);
     for (int n = 0; n < 40; ++n) {
         const std::vector row{0.1 * n, std::sin(0.9 * n), n % 2 == 0 ? 3.0 : -2.5, 5.0 - n};
         all.close_row(row);
@@ -104,6 +107,8 @@ TEST(Recorder, CountsTheChannelsAskedFor) {
         EXPECT_EQ(got.final, wanted.final) << channel;
         EXPECT_EQ(got.ripple, wanted.ripple) << channel;
         EXPECT_EQ(got.bend, wanted.bend) << channel;
+        EXPECT_EQ(got.minimum, channel == 2 ? wanted.minimum : 0) << channel;
+        EXPECT_EQ(got.maximum, channel == 2 ? wanted.maximum : 0) << channel;
     }
     EXPECT_GT(few.statistics(2).ripple, 2);
     for (const int channel : {0, 3})

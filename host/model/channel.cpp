@@ -8,10 +8,11 @@
 #include <bit>
 #include <functional>
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <mutex>
-#include <unordered_set>
 #include <utility>
+#include <vector>
 
 #include "model/error.h"
 
@@ -27,14 +28,14 @@ public:
     template <class Key>
     uint32_t keep(const Key& key) {
         const std::lock_guard lock(mutex_);
-        if (!numbers_.empty() && (*this)[last_] == key) return last_;  // often: neighbours differ in one text
-        if (const auto found = numbers_.find(key); found != numbers_.end()) return last_ = *found;
-        const auto number = static_cast<uint32_t>(numbers_.size());
-        const Place place(number);
+        if (count_ > 0 && (*this)[last_] == key) return last_;  // often: neighbours differ in one text
+        if (2 * (count_ + 1) > seats_.size()) double_seats();
+        uint32_t& seat = seat_of(key);
+        if (seat != kFree) return last_ = seat;
+        const Place place(count_);
         if (place.index == 0) blocks_[place.block] = std::make_unique<Value[]>(size_t{1} << place.block);
         blocks_[place.block][place.index] = Value(key);
-        numbers_.insert(number);
-        return last_ = number;
+        return last_ = seat = count_++;
     }
     /// number: from keep(). What other threads keep meanwhile leaves all that is read here alone.
     const Value& operator[](uint32_t number) const {
@@ -49,19 +50,32 @@ private:
             : block(static_cast<size_t>(std::bit_width(number + 1)) - 1), index(number + 1 - (size_t{1} << block)) {}
         size_t block, index;
     };
-    struct ByValue {
-        using is_transparent = void;
-        size_t operator()(uint32_t number) const { return Hash{}(table[number]); }
-        size_t operator()(const auto& key) const { return Hash{}(key); }
-        bool operator()(uint32_t a, uint32_t b) const { return a == b; }
-        bool operator()(const auto& key, uint32_t number) const { return table[number] == key; }
-        const InternTable& table;
-    };
+    static constexpr uint32_t kFree = std::numeric_limits<uint32_t>::max();
+
+    /// The seat of the number of the value that `key` shows, or the free one where it belongs: from that of its hash on the
+    /// first that is free or has it. At most half of the seats are taken.
+    uint32_t& seat_of(const auto& key) {
+        const size_t last = seats_.size() - 1;  // a power of two less one
+        size_t at = Hash{}(key)&last;
+        while (seats_[at] != kFree && !((*this)[seats_[at]] == key)) at = (at + 1) & last;
+        return seats_[at];
+    }
+    void double_seats() {
+        const size_t size = std::max<size_t>(16, 2 * seats_.size());
+        std::vector<uint32_t>().swap(seats_);  // before the larger list: both together would be half as much again
+        seats_.resize(size, kFree);
+        for (uint32_t number = 0; number < count_; ++number) {
+            size_t at = Hash{}((*this)[number]) & (size - 1);
+            while (seats_[at] != kFree) at = (at + 1) & (size - 1);
+            seats_[at] = number;
+        }
+    }
 
     std::mutex mutex_;
     uint32_t last_ = 0;  ///< asked for
+    uint32_t count_ = 0;
     std::array<std::unique_ptr<Value[]>, 32> blocks_;
-    std::unordered_set<uint32_t, ByValue, ByValue> numbers_{0, ByValue{*this}, ByValue{*this}};
+    std::vector<uint32_t> seats_;  ///< numbers by the hashes of their values; four bytes each, a set of them takes forty
 };
 
 struct TextHash {

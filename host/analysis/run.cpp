@@ -136,7 +136,7 @@ ExitCode run(const Request& request) {
 ExitCode run(const Request& request, Session& session, const ResultsFolder& folder, const TakeRow& take) {
     const auto make_recorder = [&](Recorder::Rows rows) {
         const Attributes attributes = {
-            {"title", session.model.title}, {"version", DTTMM_VERSION}, {"model", session.model.source}};
+            {"title", session.model.title.c_str()}, {"version", DTTMM_VERSION}, {"model", session.model.source.c_str()}};
         return Recorder(folder, session.simulation.channels(), session.selection, attributes, rows,
                         session.halving ? Recorder::of_every_channel : counts_in_summary);
     };

@@ -123,7 +123,7 @@ private:
     Handle create_dataset(const Column& column) const;
     void write_whole(const Column& column, const double* values) const;
     Handle open_dataset(const std::string& name) const;
-    void write_attribute(hid_t owner, const std::string& name, const std::string& text) const;
+    void write_attribute(hid_t owner, const std::string& name, const char* text) const;
     void append(hid_t dataset, const double* values) const;
     const double* take_column(std::size_t channel);
 
@@ -184,7 +184,7 @@ Handle Hdf5Writer::Implementation::create_dataset(const Column& column) const {
                                     settings_.access),
                          "cannot write"),
                    &H5Dclose);
-    write_attribute(dataset, "unit", column.unit);
+    write_attribute(dataset, "unit", column.unit.c_str());
     return dataset;
 }
 
@@ -195,7 +195,7 @@ void Hdf5Writer::Implementation::write_whole(const Column& column, const double*
         check(H5Dcreate2(file_, column.name.c_str(), H5T_NATIVE_DOUBLE, space, settings_.link, settings_.whole, H5P_DEFAULT),
               "cannot write"),
         &H5Dclose);
-    write_attribute(dataset, "unit", column.unit);
+    write_attribute(dataset, "unit", column.unit.c_str());
     if (rows_waiting_ > 0)
         check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), "cannot write");
     check(dataset.close(), "cannot write");
@@ -205,13 +205,12 @@ Handle Hdf5Writer::Implementation::open_dataset(const std::string& name) const {
     return Handle(check(H5Dopen2(file_, name.c_str(), settings_.access), "cannot write"), &H5Dclose);
 }
 
-void Hdf5Writer::Implementation::write_attribute(hid_t owner, const std::string& name, const std::string& text) const {
+void Hdf5Writer::Implementation::write_attribute(hid_t owner, const std::string& name, const char* text) const {
     const Handle space(H5Screate(H5S_SCALAR), &H5Sclose);
     const Handle attribute(
         check(H5Acreate2(owner, name.c_str(), settings_.text, space, settings_.attribute, H5P_DEFAULT), "cannot write"),
         &H5Aclose);
-    const char* const start = text.c_str();
-    check(H5Awrite(attribute, settings_.text, &start), "cannot write");
+    check(H5Awrite(attribute, settings_.text, &text), "cannot write");
 }
 
 void Hdf5Writer::Implementation::write_row(std::span<const double> values) {

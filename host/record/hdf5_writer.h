@@ -12,8 +12,9 @@
 
 namespace dttmm::host {
 
-/// Name and text of what is noted on the file as a whole: title, version, the text of the model.
-using Attributes = std::vector<std::pair<std::string, std::string>>;
+/// Name and text of what is noted on the file as a whole: title, version, the text of the model. The texts are the
+/// caller's.
+using Attributes = std::vector<std::pair<std::string, const char*>>;
 
 /// history.h5: one dataset of doubles per channel, named as the channel (no groups), its unit in the attribute "unit". A run
 /// to a tolerance has a second one for every channel but the time, `<channel>.error`: a bound estimated for the error of the

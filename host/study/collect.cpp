@@ -72,10 +72,11 @@ void write_hdf5(const std::filesystem::path& file, const StudyFolder& study, con
     std::vector<Column> heads = {{"case", "1"}, {"status", "1"}, {"warnings", "1"}};
     for (const Column& column : cases.parameters) heads.push_back(with_unit(column));
     for (const Column& column : study.plan().columns) heads.push_back({dataset_name(column.name), column.unit});
+    const std::string command_line = study.command_line();
     Hdf5Writer writer(file, heads,
                       {{"title", "study"},
                        {"version", DTTMM_VERSION},
-                       {"command_line", study.command_line()},
+                       {"command_line", command_line.c_str()},
                        {"status", "1: completed, 0: failed, -1: missing; figures of those that did not complete are NaN"}});
     std::vector<double> row(heads.size());
     for (size_t i = 0; i < outcomes.size(); ++i) {

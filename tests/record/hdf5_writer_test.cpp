@@ -18,7 +18,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 const std::vector<Column> kHdf5Channels{{"time", "s"}, {"bolt1.force.x", "N"}, {"плита.moment.z", "N m"}};
-const Attributes kAttributes{{"title", "Four bolts"}, {"version", "0.1.0"}, {"model", std::string(100'000, '#')}};
+const std::string kModelText(100'000, '#');
+const Attributes kAttributes{{"title", "Four bolts"}, {"version", "0.1.0"}, {"model", kModelText.c_str()}};
 
 std::vector<double> hdf5_row(int n) { return {0.001 * n, std::sin(n), -1e6 / (n + 1)}; }
 

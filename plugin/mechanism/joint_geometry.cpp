@@ -45,12 +45,14 @@ JointGeometry::JointGeometry(const JointSpec& spec, const Assembly& assembly, st
     : kind_(std::move(kind)), element_(spec.element), from_(spec.from), to_(spec.to) {
     const Pose& from = assembly.frames[as_size(from_)].pose;
     const Pose& to = assembly.frames[as_size(to_)].pose;
-    seat_.from_axes = from.rotation.transpose() * spec.pose.rotation;
-    seat_.to_axes = to.rotation.transpose() * spec.pose.rotation;
+    const JointAxesOf<double> axes{from.rotation == spec.pose.rotation, to.rotation == spec.pose.rotation,
+                                   from.rotation.transpose() * spec.pose.rotation,
+                                   to.rotation.transpose() * spec.pose.rotation};
+    std::shared_ptr<const JointAxesOf<double>>& last = kind_->last_axes;
+    if (!last || !(*last == axes)) last = std::make_shared<JointAxesOf<double>>(axes);
+    seat_.own = last;
     seat_.rest = spec.pose.rotation.transpose() * (spec.pose.position - from.position);
     seat_.to_point = to.rotation.transpose() * (spec.pose.position - to.position);
-    seat_.is_aligned = from.rotation == spec.pose.rotation;
-    seat_.is_straight = to.rotation == spec.pose.rotation;
     seat_.has_lever = spec.pose.position != to.position;
 }
 

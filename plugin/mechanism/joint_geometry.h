@@ -53,6 +53,7 @@ struct JointKind {
     bool is_damped, is_axial, has_laws;
     double step_size = 0;  ///< `solved` is for [s]
     Vector3 solved[2];     ///< k̂ = ∂f/∂d of the solved transfer equations, translations, rotations [N/m, N m/rad]
+    std::shared_ptr<const JointAxesOf<double>> last_axes;  ///< of the joint made last: the next has the same, mostly
 };
 
 /// Where a joint is between its two frames, how it is deformed, and what forces there do to the frames. It measures its
@@ -137,7 +138,7 @@ private:
     [[gnu::noinline, gnu::cold]] JointPose axial_pose(FrameView from, FrameView to) const;
     /// From the `from` origin to the first point of its line, which lies on its x from the second, world axes.
     Vector3 arm_of_line(FrameView from) const {
-        return from.axes() * (seat_.from_axes * (seat_.rest - law().axial->length * Vector3::UnitX()));
+        return from.axes() * (seat_.own->from_axes * (seat_.rest - law().axial->length * Vector3::UnitX()));
     }
     /// Of the lever of the `to` end.
     Matrix3 lever_rows(const JointPose& pose) const;

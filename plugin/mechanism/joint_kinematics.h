@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
+
 #include "core/rotation.h"
 #include "mechanism/frame.h"
 
@@ -48,6 +50,7 @@ struct JointAxesOf {
     bool is_straight = false;   ///< to_axes = I
     Matrix3Of<Real> from_axes;  ///< of the joint in the axes of the `from` frame
     Matrix3Of<Real> to_axes;    ///< the same at rest in those of the `to` frame
+    bool operator==(const JointAxesOf&) const = default;
 
     /// The joint's axes, which go with the `from` frame; those that are the same at rest and go with the `to` frame.
     Matrix3Of<Real> axes(const auto& from) const { return in_world(from, is_aligned, from_axes); }
@@ -81,9 +84,12 @@ struct JointPointOf {
     }
 };
 
-/// How a joint sits between its frames.
-struct JointSeat : JointAxesOf<double>, JointPointOf<double> {
-    JointPose pose(const auto& from, const auto& to) const { return JointPointOf::pose(*this, from, to); }
+/// How a joint sits between its frames. Joints that are alike share their axes.
+struct JointSeat : JointPointOf<double> {
+    std::shared_ptr<const JointAxesOf<double>> own;
+    Matrix3 axes(const auto& from) const { return own->axes(from); }
+    Matrix3 axes_at_to(const auto& to) const { return own->axes_at_to(to); }
+    JointPose pose(const auto& from, const auto& to) const { return JointPointOf::pose(*own, from, to); }
 };
 
 }  // namespace dttmm::plugin

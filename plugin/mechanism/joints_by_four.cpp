@@ -131,7 +131,8 @@ void JointsByFour::take(const Mechanism& mechanism, std::span<const size_t> four
         for (size_t k = 0; k < kCount; ++k) last[k] = &mechanism.joints[fours_.back().joint[k]];
     const auto differ = [&](const auto& alike) { return fours_.empty() || !std::ranges::equal(joints, last, alike); };
     if (differ([](const Joint* a, const Joint* b) { return &a->kind() == &b->kind(); })) take_springs(joints);
-    if (differ([](const Joint* a, const Joint* b) { return have_axes_alike(a->seat(), b->seat()); })) take_axes(joints);
+    if (differ([](const Joint* a, const Joint* b) { return have_axes_alike(*a->seat().own, *b->seat().own); }))
+        take_axes(joints);
     taken.springs = static_cast<uint32_t>(springs_.size() - 1);
     taken.axes = static_cast<uint32_t>(axes_.size() - 1);
     fours_.push_back(taken);
@@ -159,11 +160,11 @@ void JointsByFour::take_axes(std::span<const Joint* const> four) {
     JointAxesOf<Lanes>& taken = axes_.emplace_back();
     taken.is_aligned = taken.is_straight = true;
     for (size_t k = 0; k < kCount; ++k) {
-        const JointSeat& seat = four[k]->seat();
-        set_lane(taken.from_axes, as_int(k), seat.from_axes);
-        set_lane(taken.to_axes, as_int(k), seat.to_axes);
-        taken.is_aligned &= seat.is_aligned;
-        taken.is_straight &= seat.is_straight;
+        const JointAxesOf<double>& one = *four[k]->seat().own;
+        set_lane(taken.from_axes, as_int(k), one.from_axes);
+        set_lane(taken.to_axes, as_int(k), one.to_axes);
+        taken.is_aligned &= one.is_aligned;
+        taken.is_straight &= one.is_straight;
     }
 }
 

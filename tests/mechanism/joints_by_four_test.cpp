@@ -63,7 +63,7 @@ public:
         std::vector<size_t> list;
         for (size_t j = 0; j < mechanism_->joints.size(); ++j) {
             const JointSeat& seat = mechanism_->joints[j].seat();
-            if (!alike || (seat.is_aligned && seat.is_straight && seat.has_lever)) list.push_back(j);
+            if (!alike || (seat.own->is_aligned && seat.own->is_straight && seat.has_lever)) list.push_back(j);
         }
         return list;
     }

@@ -62,7 +62,7 @@ ElementPlace place_at_start(const Model& model, const Element& element, const dt
     }
     const Attachment &from = element.ends[0], &to = element.ends[1];
     const Frame first = frame_at_start(model, from.is_ground() ? to : from);
-    ElementPlace place{first.position, first.position, element.axes.value_or(first.rotation)};
+    ElementPlace place{first.position, first.position, element.axes ? *element.axes : first.rotation};
     place.is_grounded = from.is_ground() || to.is_ground();
     if (!place.is_grounded) place.to = frame_at_start(model, to).position;
     if (is_line(type) && place.is_long()) {

@@ -84,7 +84,7 @@ Frame frame_at_start(const Model& model, const Attachment& at) {
     }
     const Body& body = model.bodies[as_size(at.body)];
     const Marker marker = at.marker < 0 ? Marker{} : body.markers[as_size(at.marker)];
-    return {body.position + body.rotation * marker.position, body.rotation * marker.rotation};
+    return {body.position + body.rotation * marker.position, body.rotation * marker.axes()};
 }
 
 NetworkDescription::NetworkDescription(const Model& model, const Plugins& plugins, const std::vector<size_t>& elements)
@@ -115,7 +115,7 @@ void NetworkDescription::add_element(const Element& element) {
     for (const Attachment& end : element.ends) {
         const bool is_from = &end == &element.ends.front();
         ends.push_back(find_or_add_node(end, end.is_ground() ? element.ends[is_from ? 1 : 0] : end,
-                                        is_from ? element.axes : std::nullopt));
+                                        is_from ? element.axes.get() : nullptr));
     }
     elements_.push_back({element.name.c_str(), 0, static_cast<uint32_t>(ends.size()), nullptr, element.values.data()});
     ends_.push_back(std::move(ends));
@@ -132,11 +132,10 @@ void NetworkDescription::add_line_loads(const std::vector<size_t>& elements) {
     }
 }
 
-uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attachment& other,
-                                              const std::optional<Eigen::Matrix3d>& axes) {
+uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attachment& other, const Eigen::Matrix3d* axes) {
     if (end.is_ground()) {
         const Frame frame = frame_at_start(model_, other);
-        return add_node("ground", DTTMM_NODE_GROUND, frame.position, axes.value_or(frame.rotation));
+        return add_node("ground", DTTMM_NODE_GROUND, frame.position, axes ? *axes : frame.rotation);
     }
     if (end.body >= 0 && axes) return add_node_on_body(end, *axes);
     const auto [found, is_new] = nodes_at_.try_emplace(end, static_cast<uint32_t>(nodes_.size()));

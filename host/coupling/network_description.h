@@ -42,7 +42,7 @@ public:
 private:
     void add_element(const Element& element);
     void add_line_loads(const std::vector<size_t>& elements);
-    uint32_t find_or_add_node(const Attachment& end, const Attachment& other, const std::optional<Eigen::Matrix3d>& axes);
+    uint32_t find_or_add_node(const Attachment& end, const Attachment& other, const Eigen::Matrix3d* axes);
     void add_body(const Body& body);
     uint32_t add_node_on_body(const Attachment& end, const Eigen::Matrix3d& axes);
     uint32_t add_node(const std::string& name, uint32_t kind, const Eigen::Vector3d& position,

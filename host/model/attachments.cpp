@@ -87,7 +87,7 @@ Eigen::Matrix3d Attachments::axes(const Attachment& attachment) const {
     if (attachment.node >= 0) return nodes_[as_size(attachment.node)].rotation;
     const Body& body = bodies_[as_size(attachment.body)];
     if (attachment.marker < 0) return body.rotation;
-    return body.rotation * body.markers[as_size(attachment.marker)].rotation;
+    return body.rotation * body.markers[as_size(attachment.marker)].axes();
 }
 
 }  // namespace dttmm::host

@@ -7,6 +7,7 @@
 #include <bitset>
 #include <compare>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,9 +23,10 @@ namespace dttmm::host {
 
 struct Marker {
     std::string name;
-    Eigen::Vector3d position = Eigen::Vector3d::Zero();      ///< in the body's axes, from the body's origin [m]
-    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< the marker's axes in the body's axes
-    bool is_probe = false;                                   ///< its motion is recorded by default
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in the body's axes, from the body's origin [m]
+    std::shared_ptr<const Eigen::Matrix3d> rotation;     ///< the marker's axes in the body's; null: they are the body's
+    bool is_probe = false;                               ///< its motion is recorded by default
+    Eigen::Matrix3d axes() const { return rotation ? *rotation : Eigen::Matrix3d(Eigen::Matrix3d::Identity()); }
 };
 
 struct Body {
@@ -97,12 +99,12 @@ struct Load {
 
 struct Element {
     std::string name;
-    int type = -1;                             ///< index into the catalogue the model was read with
-    std::vector<Attachment> ends;              ///< from and to, or those of `at`, as the type declares
-    SharedNumbers values;                      ///< numbers of all parameters of the type, in the order declared
-    std::string place;                         ///< "file:line:column", for errors found later
-    std::optional<Eigen::Matrix3d> axes = {};  ///< in the world at the start; none: those of the `from` end, of the other
-                                               ///< end where that is the ground
+    int type = -1;                                ///< index into the catalogue the model was read with
+    std::vector<Attachment> ends;                 ///< from and to, or those of `at`, as the type declares
+    SharedNumbers values;                         ///< numbers of all parameters of the type, in the order declared
+    std::string place;                            ///< "file:line:column", for errors found later
+    std::shared_ptr<const Eigen::Matrix3d> axes;  ///< in the world at the start; null: those of the `from` end, of the other
+                                                  ///< end where that is the ground
 };
 
 enum class JointType { ball, hinge, slider, universal, fixed };

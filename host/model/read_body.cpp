@@ -130,7 +130,8 @@ Marker read_marker(const TableReader& body, const TomlMember& member, NameRegist
     }
     const TableReader table(context, member.value, label, key_table("marker"));
     marker.position = table.vector("position", Eigen::Vector3d::Zero()).value_or(marker.position);
-    marker.rotation = read_rotation(table).value_or(marker.rotation);
+    if (const auto rotation = read_rotation(table); rotation && (table.find("rotation") || table.find("quaternion")))
+        marker.rotation = std::make_shared<Eigen::Matrix3d>(*rotation);
     return marker;
 }
 
@@ -141,6 +142,7 @@ void read_markers(const TableReader& table, Body& body) {
         return table.error(markers->value.place, fmt::format("markers must be a table of name = [x, y, z], got {}",
                                                              kind_text(markers->value.kind)));
     NameRegistry names("marker");
+    body.markers.reserve(markers->value.members.size());
     for (const TomlMember& member : markers->value.members) body.markers.push_back(read_marker(table, member, names));
 }
 

@@ -146,6 +146,7 @@ public:
         if (table.is_valid()) read(table, type);
     }
 
+    void reserve(std::size_t count) { elements_.reserve(count); }
     std::vector<Element> take() { return std::move(elements_); }
 
 private:
@@ -167,7 +168,9 @@ private:
         const auto values = read_values(table, *catalogue_.types[as_size(type)]);
         if (!ends || !values) return;
         element.ends = *ends;
-        if (!reads_at(table, type)) element.axes = read_axes(table, *catalogue_.types[as_size(type)], *ends, attachments_);
+        if (!reads_at(table, type))
+            if (const auto axes = read_axes(table, *catalogue_.types[as_size(type)], *ends, attachments_))
+                element.axes = std::make_shared<Eigen::Matrix3d>(*axes);
         element.values = share(*values);
         warn(table, element);
         move_ground_end(table, element);
@@ -246,8 +249,10 @@ std::vector<Element> read_elements(const TableReader& file, const ElementCatalog
                                    const Attachments& attachments, const std::vector<const NameRegistry*>& others,
                                    NameRegistry& names, std::vector<Node>& nodes) {
     ElementsReader reader(catalogue, attachments, others, names, nodes);
+    const std::vector<TomlValue>& entries = read_entries(file, "element");
+    reader.reserve(entries.size());
     std::size_t index = 0;
-    for (const TomlValue& entry : read_entries(file, "element")) reader.read(file.context(), entry, index++);
+    for (const TomlValue& entry : entries) reader.read(file.context(), entry, index++);
     return reader.take();
 }
 

@@ -99,7 +99,7 @@ void warn_turned_markers(const TableReader& file, const Model& model, const Atta
     for (std::size_t b = 0; b < model.bodies.size() && b < entries.size(); ++b)
         for (std::size_t m = 0; m < model.bodies[b].markers.size(); ++m) {
             const Marker& marker = model.bodies[b].markers[m];
-            if (marker.rotation.isIdentity(0)) continue;
+            if (!marker.rotation || marker.rotation->isIdentity(0)) continue;
             const Attachment at{as_int(b), as_int(m), -1};
             bool is_attached = false, is_used = false;
             for (const Element& element : model.elements) {

@@ -35,7 +35,8 @@ protected:
         body_.name = "arm";
         body_.position = {0.3, -1.1, 0.7};
         body_.rotation = kAskew;
-        body_.markers.push_back({"tip", {0.2, 0.1, -0.4}, Matrix3d(Eigen::AngleAxisd(0.3, Vector3d::UnitY()))});
+        body_.markers.push_back(
+            {"tip", {0.2, 0.1, -0.4}, std::make_shared<Matrix3d>(Eigen::AngleAxisd(0.3, Vector3d::UnitY()))});
         model_.bodies = {body_};
         Node node;
         node.name = "far";
@@ -69,7 +70,7 @@ TEST_F(PlaceAtStart, AnEndOnTheGroundIsWhereTheOtherIs) {
     const ElementPlace place = this->place("spring_damper", ground_, tip_);
     EXPECT_LT((place.from - (body_.position + kAskew * body_.markers[0].position)).norm(), 1e-15);
     EXPECT_EQ(place.from, place.to);
-    EXPECT_LT((place.axes - kAskew * body_.markers[0].rotation).norm(), 1e-15);
+    EXPECT_LT((place.axes - kAskew * body_.markers[0].axes()).norm(), 1e-15);
     EXPECT_TRUE(place.is_grounded);
     EXPECT_FALSE(place.is_long());
 }

@@ -148,9 +148,10 @@ TEST(EndOfStep, AFreeTumblingBodyKeepsAngularMomentumAndEnergy) {
 /// Two tumbling bodies with a strong spring between points away from their centres of mass.
 Model tumbling_pair(const Plugins& plugins, const std::array<double, 12>& values) {
     Model model = tumbling_body();
-    model.bodies[0].markers.push_back({"end", {0.05, 0.1, 0.2}, Eigen::Matrix3d::Identity()});
+    model.bodies[0].markers.push_back({"end", {0.05, 0.1, 0.2}, nullptr});
     Body other = test::box("other", 0.6, {0.3, 0.1, 0.05}, {1.3, 2.1, 3.2});
-    other.markers.push_back({"end", {-0.1, 0.05, 0}, Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()).toRotationMatrix()});
+    other.markers.push_back(
+        {"end", {-0.1, 0.05, 0}, std::make_shared<Eigen::Matrix3d>(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()))});
     other.velocity = {-1, 0.5, 0};
     other.angular_velocity = {-3, 1, 4};
     model.bodies.push_back(other);
@@ -232,7 +233,7 @@ TEST(EndOfStep, NewmarksAngularMomentumIsKept) {
 TEST(EndOfStep, LargeRotationsOnSpringsAreSecondOrder) {
     const Plugins plugins;
     Model model = tumbling_body();
-    model.bodies[0].markers.push_back({"end", {0.05, 0.1, 0.2}, Eigen::Matrix3d::Identity()});
+    model.bodies[0].markers.push_back({"end", {0.05, 0.1, 0.2}, nullptr});
     model.elements.push_back(test::spring("string", plugins, {}, {0, 0}, 400, 0.5));
     const auto end = [&](double step, Coupling coupling) {
         model.simulation.step = step;
@@ -253,7 +254,7 @@ TEST(EndOfStep, AHeavyBodyElsewhereChangesNothing) {
     Model light = tumbling_body();
     light.bodies[0].mass = 1e-3;
     light.bodies[0].inertia *= 5e-4;
-    light.bodies[0].markers.push_back({"end", {0.05, 0.1, 0.2}, Eigen::Matrix3d::Identity()});
+    light.bodies[0].markers.push_back({"end", {0.05, 0.1, 0.2}, nullptr});
     light.elements.push_back(test::spring("string", plugins, {}, {0, 0}, 40, 1e-4));
     Model both = light;
     Body heavy = test::box("heavy", 1e9, {10, 10, 10}, {9e5, 0, 0});
@@ -279,7 +280,7 @@ TEST(EndOfStep, AStiffPairTurnsSlowly) {
         Body body = test::box(i ? "b" : "a", 1 + i, {1, 0.1, 0.1}, {i - 0.5, 0, 0});
         body.velocity = {0, i - 0.5, 0};
         body.angular_velocity = {0, 0, 1};
-        body.markers.push_back({"end", {0.5 - i, 0, 0}, Eigen::Matrix3d::Identity()});
+        body.markers.push_back({"end", {0.5 - i, 0, 0}, nullptr});
         model.bodies.push_back(body);
     }
     model.elements.push_back(test::spring("pin", plugins, {0, 0}, {1, 0}, 1e9, 0));
@@ -305,7 +306,7 @@ TEST(EndOfStep, NumericalDampingDoesNotBrakeAMachineThatTurns) {
         Body body = test::box(i ? "b" : "a", 1 + i, {1, 0.1, 0.1}, {i - 0.5, 0, 0});
         body.velocity = {0, 20 * (i - 0.5), 0};
         body.angular_velocity = {0, 0, 20};
-        body.markers.push_back({"end", {0.5 - i, 0, 0}, Eigen::Matrix3d::Identity()});
+        body.markers.push_back({"end", {0.5 - i, 0, 0}, nullptr});
         model.bodies.push_back(body);
     }
     Element pin = test::spring("pin", plugins, {0, 0}, {1, 0}, 1e9, 0);
@@ -343,8 +344,7 @@ TEST(EndOfStep, ShortStepsOfCoupledBodiesAreFoundToRounding) {
     model.simulation.duration = 1;
     for (int i = 0; i < 2; ++i) {
         Body body = test::box(i ? "b" : "a", 4.9 + i, {0.2, 0.17 + 0.1 * i, 0.36}, {0.5 * i, -0.05, 0.09});
-        body.markers = {{"one", {-0.02, 0.14, -0.12}, Eigen::Matrix3d::Identity()},
-                        {"two", {-0.07, -0.1, 0.1}, Eigen::Matrix3d::Identity()}};
+        body.markers = {{"one", {-0.02, 0.14, -0.12}, nullptr}, {"two", {-0.07, -0.1, 0.1}, nullptr}};
         body.velocity = {0.1, 0.3 - 0.5 * i, 0.2};
         body.angular_velocity = {0.4, -0.3, 0.7};
         model.bodies.push_back(body);
@@ -377,7 +377,7 @@ Model held_at_corners(const Plugins& plugins, const Eigen::Vector3d& k, double t
     for (int corner = 0; corner < 4; ++corner)
         body.markers.push_back({std::string(1, static_cast<char>('a' + corner)),
                                 {corner < 2 ? 0.15 : -0.15, corner % 2 ? 0.1 : -0.1, 0.05 - 0.02 * corner},
-                                Eigen::Matrix3d::Identity()});
+                                nullptr});
     body.angular_velocity = {0, 0, turning};
     model.bodies.push_back(body);
     for (int corner = 0; corner < 4; ++corner) {
@@ -475,8 +475,7 @@ TEST(EndOfStep, RoundingOfASlenderRodIsTheSameInAllAxes) {
         rod.inertia = Eigen::Vector3d(1e-7, 0.1, 0.1).asDiagonal();
         rod.rotation = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
         rod.velocity = {0, 0, 1e-5};
-        rod.markers = {{"a", {0.5, 0, 0.02}, Eigen::Matrix3d::Identity()},
-                       {"b", {-0.5, 0, 0.02}, Eigen::Matrix3d::Identity()}};
+        rod.markers = {{"a", {0.5, 0, 0.02}, nullptr}, {"b", {-0.5, 0, 0.02}, nullptr}};
         model.bodies.push_back(rod);
         model.elements = {test::spring("one", plugins, {}, {0, 0}, 1e6, 0),
                           test::spring("two", plugins, {}, {0, 1}, 1e6, 0)};

@@ -27,7 +27,7 @@ Model loaded_bodies() {
     Body second = test::box("second", 5, {0.1, 0.2, 0.3}, {1, 2, 3});
     second.center_of_mass = {0.01, 0.02, 0.03};
     second.rotation = Eigen::AngleAxisd(0.6, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
-    second.markers.push_back({"tip", {0.4, -0.1, 0.2}, Eigen::Matrix3d::Identity()});
+    second.markers.push_back({"tip", {0.4, -0.1, 0.2}, nullptr});
     model.bodies = {first, second};
     Load force{{1, 0}, Eigen::Vector3d(1, 2, -2) / 3, false, parabola(), ""};
     Load moment{{0, -1}, Eigen::Vector3d::UnitY(), true, test::constant(4), ""};

@@ -22,8 +22,9 @@ Model machine(const Plugins& plugins) {
     model.simulation.gravity = {1, 2, -9};
     Body first = test::box("first", 2, {0.1, 0.2, 0.3}, {0.4, -0.1, 0.7});
     first.rotation = Eigen::AngleAxisd(0.9, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
-    first.markers.push_back({"foot", {0.1, 0.2, -0.3}, Eigen::Matrix3d::Identity()});
-    first.markers.push_back({"hand", {0.3, 0.1, 0.2}, Eigen::AngleAxisd(-0.5, Eigen::Vector3d::UnitX()).toRotationMatrix()});
+    first.markers.push_back({"foot", {0.1, 0.2, -0.3}, nullptr});
+    first.markers.push_back(
+        {"hand", {0.3, 0.1, 0.2}, std::make_shared<Eigen::Matrix3d>(Eigen::AngleAxisd(-0.5, Eigen::Vector3d::UnitX()))});
     model.bodies = {first, test::box("second", 3, {0.3, 0.1, 0.1}, {0.9, 0.2, 0.5})};
     for (int n = 0; n < 5; ++n) model.nodes.push_back(test::node(fmt::format("n{}", n), {0.1 * n, 0.2, -0.3 * n}));
     model.nodes[1].fixed = 0b100010;
@@ -94,7 +95,7 @@ TEST(NetworkDescription, BodiesNodesAndElementsAreAsTheModelHasThem) {
     const dttmm_node &hand = network.nodes[0], &turned = network.nodes[4], &ground = network.nodes[5];
     const Body& body = model.bodies[0];
     const Eigen::Vector3d position = body.position + body.rotation * body.markers[1].position;
-    const Eigen::Matrix3d axes = body.rotation * body.markers[1].rotation;
+    const Eigen::Matrix3d axes = body.rotation * body.markers[1].axes();
     EXPECT_LT((Eigen::Map<const Eigen::Vector3d>(hand.position) - position).norm(), 1e-15);
     EXPECT_LT((Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(hand.rotation) - axes).norm(), 1e-15);
     EXPECT_EQ(turned.fixed, 0b100010u);

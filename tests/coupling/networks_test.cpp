@@ -18,8 +18,9 @@ Model two_bodies(const Plugins& plugins) {
     Body first = test::box("first", 2, {0.1, 0.2, 0.3}, {0.4, -0.1, 0.7});
     first.center_of_mass = {0.05, -0.02, 0.01};
     first.rotation = Eigen::AngleAxisd(0.9, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
-    first.markers.push_back({"foot", {0.1, 0.2, -0.3}, Eigen::Matrix3d::Identity()});
-    first.markers.push_back({"hand", {0.3, 0.1, 0.2}, Eigen::AngleAxisd(-0.5, Eigen::Vector3d::UnitX()).toRotationMatrix()});
+    first.markers.push_back({"foot", {0.1, 0.2, -0.3}, nullptr});
+    first.markers.push_back(
+        {"hand", {0.3, 0.1, 0.2}, std::make_shared<Eigen::Matrix3d>(Eigen::AngleAxisd(-0.5, Eigen::Vector3d::UnitX()))});
     Body second = test::box("second", 3, {0.3, 0.1, 0.1}, {0.9, 0.2, 0.5});
     second.center_of_mass = {-0.02, 0.03, 0.04};
     second.rotation = Eigen::AngleAxisd(-1.4, Eigen::Vector3d(0, 1, 1).normalized()).toRotationMatrix();

@@ -60,7 +60,7 @@ TEST(BoltCircle, IsTheModelWrittenOut) {
         const Marker &made = circle.bodies[0].markers[k + 1], &by_hand = written.bodies[0].markers[k + 1];
         EXPECT_EQ(made.name, by_hand.name);
         EXPECT_LT((made.position - by_hand.position).norm(), 1e-15);
-        EXPECT_LT((made.rotation - by_hand.rotation).norm(), 1e-15);
+        EXPECT_LT((made.axes() - by_hand.axes()).norm(), 1e-15);
         EXPECT_EQ(circle.elements[k].name, written.elements[k].name);
         EXPECT_EQ(circle.elements[k].ends, written.elements[k].ends);
         EXPECT_EQ(circle.elements[k].values, written.elements[k].values);
@@ -81,9 +81,9 @@ TEST(BoltCircle, LiesInTheAxesOfItsPorts) {
         const Marker& cover = model.bodies[1].markers[static_cast<std::size_t>(k) + 1];
         EXPECT_LT((plate.position - Eigen::Vector3d(1, 2, 3) - 0.08 * radius).norm(), 1e-15);
         EXPECT_LT((cover.position - Eigen::Vector3d(0.1, 0.2, 0.3) - 0.08 * (face * radius)).norm(), 1e-15);
-        EXPECT_LT((plate.rotation.col(0) - radius).norm(), 1e-15);
-        EXPECT_LT((plate.rotation.col(2) - axis).norm(), 1e-15);
-        EXPECT_TRUE(cover.rotation.isIdentity(0));  // the axes of an element are those of its `from` end
+        EXPECT_LT((plate.axes().col(0) - radius).norm(), 1e-15);
+        EXPECT_LT((plate.axes().col(2) - axis).norm(), 1e-15);
+        EXPECT_TRUE(cover.axes().isIdentity(0));  // the axes of an element are those of its `from` end
     }
 }
 
@@ -93,9 +93,9 @@ TEST(BoltCircle, TurnsTheEndThatGivesTheAxes) {
     keys.replace(keys.find("plate.a"), 7, "ground");
     const Model on_ground = parse(with_circle(keys + kElement));
     const Eigen::Matrix3d face = about({1, 2, 2}, 0.7);
-    EXPECT_LT((on_ground.bodies[1].markers[1].rotation - face * about({0, 0, 1}, M_PI / 9)).norm(), 1e-15);
+    EXPECT_LT((on_ground.bodies[1].markers[1].axes() - face * about({0, 0, 1}, M_PI / 9)).norm(), 1e-15);
     const std::string own = "element = { type = \"spring_damper\", stiffness = 3, axes = \"to\" }\n";
-    EXPECT_TRUE(parse(with_circle(kKeys + own)).bodies[0].markers[1].rotation.isIdentity(0));
+    EXPECT_TRUE(parse(with_circle(kKeys + own)).bodies[0].markers[1].axes().isIdentity(0));
 }
 
 // Oracle: the stiffness that the expression gives the first bolt, the second and the third.

@@ -60,9 +60,9 @@ TEST(ReadBody, Markers) {
     ASSERT_EQ(b.markers.size(), 2u);
     EXPECT_EQ(b.markers[0].name, "q");
     EXPECT_EQ(b.markers[0].position, Eigen::Vector3d(0.13, 0, 1));
-    EXPECT_EQ(b.markers[0].rotation, Eigen::Matrix3d::Identity());
+    EXPECT_EQ(b.markers[0].axes(), Eigen::Matrix3d::Identity());
     EXPECT_EQ(b.markers[1].position, Eigen::Vector3d(1, 2, 3));
-    EXPECT_NEAR(b.markers[1].rotation(2, 2), -1, 1e-15);
+    EXPECT_NEAR(b.markers[1].axes()(2, 2), -1, 1e-15);
 }
 
 TEST(ReadBody, MassFaults) {

@@ -53,7 +53,7 @@ Model crane() {
     post.position = {0.5, 0.25, 1};
     const Vector3d edges(0.4, 0.6, 2);
     for (int i = 0; i < 3; ++i) post.inertia(i, i) = 12. / 12 * (edges.squaredNorm() - edges[i] * edges[i]);
-    post.markers.push_back({"top", {0.1, 0, 1.2}});
+    post.markers.push_back({"top", {0.1, 0, 1.2}, nullptr});
     Node anchor;
     anchor.name = "anchor";
     anchor.position = {3, -1, 0.5};

@@ -98,9 +98,9 @@ void ModalDescription::Rest::find_limits(const Loads& loads, double size) {
     networks->outputs(values.data());
     size_t channel = 0;
     for (const NetworkInstance& instance : networks->instances())
-        for (size_t c = 0; c < instance.channels().size(); ++c, ++channel)
+        for (size_t c = 0; c < instance.channel_count(); ++c, ++channel)
             if (instance.roles()[c] == DTTMM_ROLE_LIMIT)
-                limits.push_back({instance.channels()[c].name(), instance.channels()[c].owner(), values[channel]});
+                limits.push_back({instance.channel(c).name(), instance.channel(c).owner(), values[channel]});
 }
 
 /// Ideal joints go with their bodies; a stop that pushes holds what the joint leaves free.

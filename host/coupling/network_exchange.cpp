@@ -16,7 +16,7 @@ Eigen::Map<Eigen::Vector3d> vector(double* v) { return Eigen::Map<Eigen::Vector3
 
 }  // namespace
 
-NetworkExchange::NetworkExchange(const Model& model) : path_(model.path) {
+NetworkExchange::NetworkExchange(const Model& model) : elements_(model.elements), path_(model.path) {
     for (const Body& body : model.bodies) body_names_.push_back(body.name);
     motions_.resize(model.bodies.size());
     wrenches_.resize(6 * model.bodies.size());
@@ -24,10 +24,10 @@ NetworkExchange::NetworkExchange(const Model& model) : path_(model.path) {
 
 void NetworkExchange::add(const Model& model, const NetworkDescription& description, const std::vector<size_t>& elements) {
     Slot& slot = slots_.emplace_back();
+    slot.elements = elements;
     slot.first_on_body.assign(model.bodies.size(), -1);
     for (size_t e = 0; e < elements.size(); ++e) {
         const Element& element = model.elements[elements[e]];
-        slot.places.push_back(element.place);
         for (const Attachment& end : element.ends)
             if (end.body >= 0 && slot.first_on_body[as_size(end.body)] < 0)
                 slot.first_on_body[as_size(end.body)] = as_int(e);

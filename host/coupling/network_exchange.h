@@ -23,6 +23,7 @@ class NetworkExchange {
 public:
     static constexpr size_t kBlock = 36;  ///< numbers of a block of a matrix
 
+    /// The model must outlive it.
     explicit NetworkExchange(const Model& model);
 
     /// Creates the instance of a plugin. Throws Error with the place in the model file when it refuses an element.
@@ -39,9 +40,9 @@ public:
         try {
             action();
         } catch (const NetworkError& error) {
-            const std::vector<std::string>& places = slots_[instance].places;
-            const bool is_one = error.element() >= 0 || places.size() == 1;
-            const std::string& place = is_one ? places[as_size(std::max(error.element(), 0))] : path_;
+            const std::vector<size_t>& own = slots_[instance].elements;
+            const bool is_one = error.element() >= 0 || own.size() == 1;
+            const std::string& place = is_one ? elements_[own[as_size(std::max(error.element(), 0))]].place : path_;
             throw Error(error.code(), fmt::format("{}: {}", place, error.what()));
         }
     }
@@ -77,17 +78,18 @@ public:
 private:
     /// What the host keeps of an instance.
     struct Slot {
-        std::vector<std::string> places;  ///< in the model file, of its elements
-        std::vector<size_t> loaded;       ///< its inner nodes, then its forces per length, among the loads on all networks
-        bool is_loaded = false;           ///< a load acts on one of these
-        std::vector<size_t> supported;    ///< its nodes that supports move, as where their numbers begin in the same array
-        std::vector<int> first_on_body;   ///< its first element on each body; −1: none
+        std::vector<size_t> elements;    ///< of the model
+        std::vector<size_t> loaded;      ///< its inner nodes, then its forces per length, among the loads on all networks
+        bool is_loaded = false;          ///< a load acts on one of these
+        std::vector<size_t> supported;   ///< its nodes that supports move, as where their numbers begin in the same array
+        std::vector<int> first_on_body;  ///< its first element on each body; −1: none
     };
 
     [[noreturn]] void refuse_wrench(size_t instance, size_t body) const;
 
     std::vector<NetworkInstance> instances_;
     std::vector<Slot> slots_;
+    const std::vector<Element>& elements_;
     std::string path_;  ///< of the model file
     std::vector<std::string> body_names_;
     double time_ = 0;

@@ -49,7 +49,7 @@ Networks::Networks(const Model& model, const Plugins& plugins) : exchange_(model
     is_implicit_ = model.simulation.coupling == Coupling::implicit;
     if (!exchange_.instances().empty()) take_weights();
     for (const NetworkInstance& instance : exchange_.instances()) {
-        outputs_.emplace_back(instance.channels().size());
+        numbers_.reserve(std::max(instance.channel_count(), kBlock * instance.blocks().size()));
         first_part_.push_back(progress_.size());
         if (is_implicit_) progress_.resize(progress_.size() + instance.part_count());
     }
@@ -86,13 +86,13 @@ void Networks::linearise(const std::vector<BodyState>& at, double* wrenches, con
     exchange_.gather(at);
     GuardedArray damping_blocks;
     for (size_t n = 0; n < exchange_.instances().size(); ++n) {
-        double* stiffness = sink ? exchange_.make_room(n, stiffness_) : nullptr;
+        double* stiffness = sink ? exchange_.make_room(n, numbers_) : nullptr;
         double* damping = sink ? exchange_.make_room(n, damping_blocks) : nullptr;
         exchange_.tell_place(n, [&] {
             exchange_.instances()[n].linearise(exchange_.motions(), exchange_.wrenches(), stiffness, damping);
             exchange_.scatter(n, wrenches);
             if (!sink) return;
-            exchange_.check_matrix(n, stiffness_, "stiffness", " at the start");
+            exchange_.check_matrix(n, numbers_, "stiffness", " at the start");
             exchange_.check_matrix(n, damping_blocks, "damping", " at the start");
         });
         if (!sink) continue;
@@ -110,6 +110,7 @@ std::vector<Networks::TakenUp> Networks::take_up(const std::vector<BodyState>& a
     exchange_.gather(at);
     for (size_t n = 0; n < exchange_.instances().size(); ++n) {
         const NetworkInstance& instance = exchange_.instances()[n];
+        list.reserve(list.size() + instance.element_count());
         if (instance.takes_up()) {
             GuardedArray elastic(instance.element_count()), damped(instance.element_count());
             exchange_.tell_place(n, [&] {
@@ -122,10 +123,10 @@ std::vector<Networks::TakenUp> Networks::take_up(const std::vector<BodyState>& a
             continue;
         }
         GuardedArray damping_blocks;
-        double *stiffness = exchange_.make_room(n, stiffness_), *damping = exchange_.make_room(n, damping_blocks);
+        double *stiffness = exchange_.make_room(n, numbers_), *damping = exchange_.make_room(n, damping_blocks);
         exchange_.tell_place(n, [&] {
             instance.linearise(exchange_.motions(), exchange_.wrenches(), stiffness, damping);
-            exchange_.check_matrix(n, stiffness_, "stiffness", " at the start");
+            exchange_.check_matrix(n, numbers_, "stiffness", " at the start");
             exchange_.check_matrix(n, damping_blocks, "damping", " at the start");
         });
         TakenUp& all = list.emplace_back(instance.name(), 0.0, 0.0);
@@ -166,14 +167,14 @@ void Networks::begin_step(const dttmm_step& step, const double* loads) {
 void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, const StiffnessSink* sink) {
     if (is_implicit_ || sink) exchange_.gather(trial);
     for (size_t n = 0; n < exchange_.instances().size(); ++n) {
-        const double* stiffness = sink ? exchange_.make_room(n, stiffness_) : nullptr;
+        const double* stiffness = sink ? exchange_.make_room(n, numbers_) : nullptr;
         exchange_.tell_time(exchange_.time(), [&] {
             if (is_implicit_)
                 std::ranges::copy(exchange_.instances()[n].iterate(exchange_.motions()),
                                   progress_.begin() + as_row(first_part_[n]));
-            exchange_.instances()[n].evaluate(exchange_.motions(), exchange_.wrenches(), sink ? stiffness_.data() : nullptr);
+            exchange_.instances()[n].evaluate(exchange_.motions(), exchange_.wrenches(), sink ? numbers_.data() : nullptr);
             exchange_.scatter(n, wrenches);
-            if (sink) exchange_.check_matrix(n, stiffness_, "stiffness");
+            if (sink) exchange_.check_matrix(n, numbers_, "stiffness");
         });
         if (!sink) continue;
         for (const dttmm_block& block : exchange_.instances()[n].blocks()) {
@@ -239,11 +240,11 @@ void Networks::form_static(const std::vector<BodyState>& at, double resistance, 
                            const StiffnessSink& sink) {
     exchange_.gather(at);
     for (size_t n = 0; n < exchange_.instances().size(); ++n) {
-        const double* stiffness = exchange_.make_room(n, stiffness_);
+        const double* stiffness = exchange_.make_room(n, numbers_);
         exchange_.tell_place(n, [&] {
-            exchange_.instances()[n].form_static(exchange_.motions(), resistance, exchange_.wrenches(), stiffness_.data());
+            exchange_.instances()[n].form_static(exchange_.motions(), resistance, exchange_.wrenches(), numbers_.data());
             exchange_.scatter(n, wrenches);
-            exchange_.check_matrix(n, stiffness_, "stiffness", " at rest");
+            exchange_.check_matrix(n, numbers_, "stiffness", " at rest");
         });
         for (const dttmm_block& block : exchange_.instances()[n].blocks()) {
             sink(as_int(block.row), as_int(block.column), Eigen::Map<const RowMajor6>(stiffness));
@@ -286,8 +287,12 @@ void Networks::start_at_rest(const dttmm_step& step, const std::vector<BodyState
 
 size_t Networks::output_count() const {
     size_t count = 0;
-    for (const NetworkInstance& instance : exchange_.instances()) count += instance.channels().size();
+    for (const NetworkInstance& instance : exchange_.instances()) count += instance.channel_count();
     return count;
+}
+
+void Networks::share_channels(std::span<const Channel> others) {
+    for (NetworkInstance& instance : exchange_.instances()) others = instance.share_channels(others);
 }
 
 void Networks::add_mean_wrenches(double* wrenches) {
@@ -340,22 +345,22 @@ double* Networks::positions(double* values) const {
 void Networks::outputs(double* values) const {
     for (size_t n = 0; n < exchange_.instances().size(); ++n) {
         const NetworkInstance& instance = exchange_.instances()[n];
-        GuardedArray& own = outputs_[n];
+        numbers_.resize(instance.channel_count());
         exchange_.tell_time(exchange_.time(), [&] {
-            instance.outputs(own.data());
-            exchange_.check_guards(n, own, "output");
+            instance.outputs(numbers_.data());
+            exchange_.check_guards(n, numbers_, "output");
         });
-        for (size_t c = 0; c < instance.channels().size(); ++c) {
-            values[c] = own[c];
+        for (size_t c = 0; c < instance.channel_count(); ++c) {
+            values[c] = numbers_[c];
             if (std::isfinite(values[c])) [[likely]]
                 continue;
-            const Channel& channel = instance.channels()[c];
+            const Channel channel = instance.channel(c);
             throw Error(ExitCode::plugin_failure,
                         fmt::format("{} \"{}\" at t = {:.9g} s: plugin {} says {} is {}",
                                     channel.of() == Channel::Of::node ? "node" : "element", channel.owner(),
                                     exchange_.time(), instance.plugin_name(), channel.name_in_owner(), values[c]));
         }
-        values += instance.channels().size();
+        values += instance.channel_count();
     }
     refuse_changed_arithmetic();
 }

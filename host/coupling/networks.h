@@ -22,8 +22,8 @@ public:
     /// Receives the same at one instant, and −∂(wrench)/∂(velocity).
     using LinearSink = std::function<void(int row_body, int column_body, const Block& stiffness, const Block& damping)>;
 
-    /// Creates the instances. Throws Error with the place in the model file when a plugin refuses an element, when a node
-    /// joins elements of two plugins, or when plugins weight loads differently.
+    /// Creates the instances. The model must outlive them. Throws Error with the place in the model file when a plugin
+    /// refuses an element, when a node joins elements of two plugins, or when plugins weight loads differently.
     Networks(const Model& model, const Plugins& plugins);
 
     /// True if the wrench over a step depends on the end of the step: then the coupling has to solve for it.
@@ -94,6 +94,8 @@ public:
     /// for one that is not finite, and as refuse_changed_arithmetic() does.
     void outputs(double* values) const;
     size_t output_count() const;
+    /// Channels of all instances but those of energies stand first among `others` too: see NetworkInstance.
+    void share_channels(std::span<const Channel> others);
     /// From now on positions() tells of `stations` points of every element that bends.
     void watch_lines(uint32_t stations);
     /// Where they are, at the same instant [m, world]: 3 numbers per point, instance after instance, in the order of lines()
@@ -112,8 +114,7 @@ private:
 
     double step_size_ = 0;
     // Written by plugins:
-    GuardedArray stiffness_;                       ///< blocks of the instance at hand
-    mutable std::vector<GuardedArray> outputs_;    ///< of every instance
+    mutable GuardedArray numbers_;                 ///< blocks or outputs of the instance at hand
     mutable std::vector<GuardedArray> positions_;  ///< of every instance, where lines are watched
     uint32_t stations_ = 0;
 };

@@ -23,6 +23,8 @@ public:
             std::memcpy(&words_[kGuards + size + i], &kPattern, sizeof kPattern);
         }
     }
+    /// Room for so many: resize() then allocates nothing up to there.
+    void reserve(size_t size) { words_.reserve(size + 2 * kGuards); }
     size_t size() const { return size_; }
     double* data() { return words_.data() + kGuards; }
     const double* data() const { return words_.data() + kGuards; }

@@ -52,6 +52,7 @@ ExitCode exit_code_of(dttmm_status status) {
 
 NetworkInstance::NetworkInstance(const PluginLibrary& plugin, const dttmm_network& network)
     : plugin_(plugin), table_(&plugin.table()), instance_(nullptr, table_->destroy) {
+    element_names_.reserve(network.element_count);
     for (uint32_t e = 0; e < network.element_count; ++e) element_names_.emplace_back(network.elements[e].name);
     PluginCall::set_time(std::numeric_limits<double>::quiet_NaN());
     dttmm_network watched = network;
@@ -90,13 +91,13 @@ bool NetworkInstance::is_declared(const dttmm_channel& channel, const dttmm_netw
     };
     const auto is_unit = [](const char* text) { return text && *text && is_printable(text); };
     if (!is_plain(channel.name) || !is_unit(channel.unit) || channel.role > DTTMM_ROLE_LIMIT) return false;
-    const bool is_energy = channel.role >= DTTMM_ROLE_STRAIN_ENERGY && channel.role <= DTTMM_ROLE_WORK;
-    if (is_energy && std::strcmp(channel.unit, "J") != 0) return false;
+    const bool has_energy = is_energy(static_cast<uint8_t>(channel.role));
+    if (has_energy && std::strcmp(channel.unit, "J") != 0) return false;
     if (channel.role == DTTMM_ROLE_LIMIT && channel.of != DTTMM_OF_ELEMENT) return false;
     if (channel.of == DTTMM_OF_ELEMENT) return channel.index < network.element_count;
     // A port's motion is its body's, and the ground's is nobody's: their columns are not the plugin's.
     return channel.of == DTTMM_OF_NODE && channel.index < network.node_count &&
-           (is_energy || network.nodes[channel.index].kind == DTTMM_NODE_INNER);
+           (has_energy || network.nodes[channel.index].kind == DTTMM_NODE_INNER);
 }
 
 void NetworkInstance::read_blocks(const dttmm_network& network) {
@@ -137,6 +138,23 @@ void NetworkInstance::read_channels(const dttmm_network& network) {
         roles_.push_back(static_cast<uint8_t>(channels[c].role));
     }
     if (Channel::have_duplicates(channels_)) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
+}
+
+Channel NetworkInstance::channel(size_t index) const {
+    if (channels_.size() == roles_.size()) return channels_[index];
+    const auto energies = as_size(std::ranges::count_if(roles_.begin(), roles_.begin() + as_row(index), is_energy));
+    return is_energy(roles_[index]) ? channels_[energies] : shared_[index - energies];
+}
+
+std::span<const Channel> NetworkInstance::share_channels(std::span<const Channel> others) {
+    std::vector<Channel> energies;
+    for (size_t c = 0; c < roles_.size(); ++c)
+        if (is_energy(roles_[c])) energies.push_back(channel(c));
+    const size_t count = roles_.size() - energies.size();
+    channels_.assign(energies.begin(), energies.end());
+    channels_.shrink_to_fit();
+    shared_ = others.first(count);
+    return others.subspan(count);
 }
 
 void NetworkInstance::read_parts() {

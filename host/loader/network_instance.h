@@ -139,9 +139,14 @@ public:
     }
 
     /// As they were when the instance was made: the plugin is not asked again.
-    const std::vector<Channel>& channels() const { return channels_; }
+    size_t channel_count() const { return roles_.size(); }
+    Channel channel(size_t index) const;
     /// One per channel: a DTTMM_ROLE.
     const std::vector<uint8_t>& roles() const { return roles_; }
+    static bool is_energy(uint8_t role) { return role >= DTTMM_ROLE_STRAIN_ENERGY && role <= DTTMM_ROLE_WORK; }
+    /// Channels that are not energies stand first among `others` too, in the same order, and these stay there as long as
+    /// channels are asked for: the own ones are dropped. Returns the rest of the others.
+    std::span<const Channel> share_channels(std::span<const Channel> others);
     void outputs(double* values) const {
         ask([&](dttmm_error* error) { return table_->outputs(instance_.get(), values, error); });
     }
@@ -218,7 +223,8 @@ private:
     std::vector<dttmm_progress> progress_;
     GuardedArray own_progress_;
     std::vector<dttmm_block> blocks_;
-    std::vector<Channel> channels_;
+    std::vector<Channel> channels_;    ///< of energies alone once the others are shared
+    std::span<const Channel> shared_;  ///< those that are not energies
     std::vector<uint8_t> roles_;
     std::vector<uint32_t> lines_;
 };

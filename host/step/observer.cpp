@@ -70,8 +70,10 @@ Observer::Observer(const Model& model, Networks& networks, const JointSystem& jo
     : bodies_(model.bodies), joints_(joints.joints()), gravity_(model.simulation.gravity) {
     size_t markers = 0;
     for (const Body& body : bodies_) markers += body.markers.size();
-    roles_.reserve(networks.output_count());
-    channels_.reserve(networks.output_count() + 7 * model.joints.size() + 16 * bodies_.size() + 9 * markers + 6);
+    size_t energies = 0;
+    for (const NetworkInstance& instance : networks.instances())
+        energies += as_size(std::ranges::count_if(instance.roles(), NetworkInstance::is_energy));
+    channels_.reserve(networks.output_count() - energies + 7 * model.joints.size() + 16 * bodies_.size() + 9 * markers + 6);
     channels_.emplace_back("time", "s");
     declare_networks(model, networks);
     declare_joints(model);
@@ -81,7 +83,8 @@ Observer::Observer(const Model& model, Networks& networks, const JointSystem& jo
         networks.watch_lines(kStations);
         declare_lines(networks);
     }
-    row_.resize(std::max(channels_.size(), 1 + networks.output_count()));
+    networks.share_channels(std::span(channels_).subspan(1));
+    room_ = std::max(channels_.size(), 1 + networks.output_count());
 }
 
 void Observer::add_vector(Channel::Of of, const std::string& owner, const char* quantity, const char* unit,
@@ -91,11 +94,10 @@ void Observer::add_vector(Channel::Of of, const std::string& owner, const char* 
 
 void Observer::declare_networks(const Model& model, const Networks& networks) {
     for (const NetworkInstance& instance : networks.instances())
-        for (size_t c = 0; c < instance.channels().size(); ++c) {
-            const Channel& channel = instance.channels()[c];
+        for (size_t c = 0; c < instance.channel_count(); ++c) {
+            const Channel channel = instance.channel(c);
             const uint8_t role = instance.roles()[c];
-            roles_.push_back(role);
-            if (role >= DTTMM_ROLE_STRAIN_ENERGY && role <= DTTMM_ROLE_WORK) continue;
+            if (NetworkInstance::is_energy(role)) continue;
             if (role == DTTMM_ROLE_LIMIT) limits_.push_back({channels_.size(), channel.owner()});
             channels_.push_back(channel);
         }
@@ -129,7 +131,6 @@ void Observer::declare_bodies(const Model& model) {
         for (size_t m = 0; m < bodies_[b].markers.size(); ++m) {
             const Marker& marker = bodies_[b].markers[m];
             const std::string point = name + "." + marker.name;
-            markers_.push_back({b, marker.position - bodies_[b].center_of_mass});
             add_vector(Of::marker, point, "acceleration", "m/s^2", marker.is_probe || used.contains({as_int(b), as_int(m)}));
             add_vector(Of::marker, point, "position", "m", marker.is_probe);
             add_vector(Of::marker, point, "velocity", "m/s", marker.is_probe);
@@ -195,24 +196,26 @@ std::span<const double> Observer::row(double time, const Networks& networks, con
 double* Observer::write_networks(double* out, const Networks& networks, Energies& energies) {
     networks.outputs(out);
     const double* output = out;
-    for (size_t i = 0; i < roles_.size(); ++i, ++output) {
-        switch (roles_[i]) {
-            case DTTMM_ROLE_STRAIN_ENERGY:
-                energies.strain += *output;
-                break;
-            case DTTMM_ROLE_KINETIC_ENERGY:
-                energies.kinetic += *output;
-                break;
-            case DTTMM_ROLE_DISSIPATED_ENERGY:
-                energies.dissipated += *output;
-                break;
-            case DTTMM_ROLE_WORK:
-                energies.work += *output;
-                break;
-            default:
-                *out++ = *output;
+    for (const NetworkInstance& instance : networks.instances())
+        for (const uint8_t role : instance.roles()) {
+            const double value = *output++;
+            switch (role) {
+                case DTTMM_ROLE_STRAIN_ENERGY:
+                    energies.strain += value;
+                    break;
+                case DTTMM_ROLE_KINETIC_ENERGY:
+                    energies.kinetic += value;
+                    break;
+                case DTTMM_ROLE_DISSIPATED_ENERGY:
+                    energies.dissipated += value;
+                    break;
+                case DTTMM_ROLE_WORK:
+                    energies.work += value;
+                    break;
+                default:
+                    *out++ = value;
+            }
         }
-    }
     return out;
 }
 
@@ -228,7 +231,6 @@ double* Observer::write_joints(double* out, const Instant& instant) const {
 }
 
 double* Observer::write_bodies(double* out, const Instant& instant) const {
-    auto marker = markers_.begin();
     for (size_t b = 0; b < bodies_.size(); ++b) {
         const BodyState& at = instant.at[b];
         const Moving motion{at, instant.accelerations[b]};
@@ -239,8 +241,8 @@ double* Observer::write_bodies(double* out, const Instant& instant) const {
         out = write(out, at.angular_velocity);
         const Eigen::Quaterniond q(at.rotation);
         for (double part : {q.w(), q.x(), q.y(), q.z()}) *out++ = part;
-        for (; marker != markers_.end() && marker->body == b; ++marker) {
-            const Eigen::Vector3d arm = at.rotation * marker->arm;
+        for (const Marker& marker : bodies_[b].markers) {
+            const Eigen::Vector3d arm = at.rotation * (marker.position - bodies_[b].center_of_mass);
             out = write(out, motion.acceleration_at(arm));
             out = write(out, at.position + arm);
             out = write(out, motion.velocity_at(arm));

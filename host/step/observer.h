@@ -39,6 +39,9 @@ public:
     const std::vector<Channel>& channels() const { return channels_; }
     const std::vector<Limit>& limits() const { return limits_; }
 
+    /// Before the first row: takes the memory of rows.
+    void make_room() { row_.resize(room_); }
+
     /// Only these channels of the rows count from now on; others may be 0, energies and limits too.
     void want(std::span<const int> channels);
 
@@ -52,11 +55,6 @@ public:
     std::span<const double> row(double time, const Networks& networks, const Instant& instant);
 
 private:
-    /// A point of a body that is recorded.
-    struct Point {
-        size_t body;
-        Eigen::Vector3d arm;  ///< from the centre of mass, body axes [m]
-    };
     struct Ledger {
         double load_work = 0, last_work = 0;  ///< up to t_n, and over the step from there [J]
         double stop_loss = 0,
@@ -87,15 +85,14 @@ private:
     std::vector<Channel> channels_;
     const std::vector<Body>& bodies_;
     std::vector<JointEquations> joints_;
-    std::vector<Point> markers_;
     Eigen::Vector3d gravity_;
-    std::vector<double> row_;  ///< with room for all outputs of the networks behind the time
+    std::vector<double> row_;
+    size_t room_;  ///< for all outputs of the networks behind the time
 
     std::vector<Limit> limits_;
     bool shows_lines_ = false;
     bool wants_networks_ = true;  ///< a channel of theirs, or an energy
     size_t network_channels_ = 0;
-    std::vector<uint8_t> roles_;  ///< of the outputs of the networks: a number of the row, or part of an energy
     Ledger ledger_;
 };
 

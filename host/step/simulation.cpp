@@ -44,13 +44,13 @@ Simulation::Simulation(const Model& model, const Plugins& plugins, For what)
       step_size_(model.simulation.step),
       world_(model.bodies, model.joints),
       networks_(model, plugins),
+      now_(read_states(world_, model.bodies.size())),
+      fastest_(what == For::steps ? find_fastest_mode(model, networks_, now_) : FastestMode{}),
       loads_(model, networks_.load_weights()),
       drives_(model),
       end_of_step_(model, networks_),
       instant_(model),
-      now_(read_states(world_, model.bodies.size())),
       after_(model.bodies.size()),
-      fastest_(what == For::steps ? find_fastest_mode(model, networks_, now_) : FastestMode{}),
       observer_(model, networks_, end_of_step_.equations().joint_system()) {
     fastest_turning_.held.resize(model.bodies.size());
     for (const Element& element : model.elements)
@@ -58,12 +58,13 @@ Simulation::Simulation(const Model& model, const Plugins& plugins, For what)
             if (end.body >= 0) fastest_turning_.held[as_size(end.body)] = true;
     if (!networks_.is_implicit()) limit_ = find_explicit_limit(model, networks_, now_, step_size_, model.simulation.scheme);
     const Instant& start = this->start();
-    first_after_ = now_;
-    now_ = end_of_step_.start(step_size_, now_, start.accelerations);
-    for (size_t b = 0; b < now_.size(); ++b) {
-        first_after_[b].velocity += first_after_[b].velocity - now_[b].velocity;
-        first_after_[b].angular_velocity += first_after_[b].angular_velocity - now_[b].angular_velocity;
+    std::vector<BodyState> before = end_of_step_.start(step_size_, now_, start.accelerations);
+    if (!networks_.stand()) first_after_ = now_;
+    for (size_t b = 0; b < first_after_.size(); ++b) {
+        first_after_[b].velocity += first_after_[b].velocity - before[b].velocity;
+        first_after_[b].angular_velocity += first_after_[b].angular_velocity - before[b].angular_velocity;
     }
+    now_ = std::move(before);
     world_.set_states(now_);
 }
 

@@ -42,7 +42,10 @@ public:
     /// Takes one row of numbers, one per channel.
     using RowSink = std::function<void(std::span<const double>)>;
     /// Where rows go; without one nothing is observed.
-    void record_to(RowSink sink) { sink_ = std::move(sink); }
+    void record_to(RowSink sink) {
+        sink_ = std::move(sink);
+        observer_.make_room();
+    }
     /// Only these channels of the rows count from now on, by their indices; others may be 0.
     void want(std::span<const int> channels) { observer_.want(channels); }
     /// Takes the report of a step: after it, or when it has failed.
@@ -105,21 +108,22 @@ private:
     uint64_t index_ = 0;
     World world_;
     Networks networks_;
+    std::vector<BodyState> now_;  ///< at the start of the step
+    FastestMode fastest_;         ///< before what the steps need: finding it takes much memory
     Loads loads_;
     Drives drives_;
     EndOfStep end_of_step_;
     InstantSolver instant_;
-    std::vector<BodyState> now_, after_;  ///< at the start and at the end of the step
-    FastestMode fastest_;
+    std::vector<BodyState> after_;  ///< at the end of the step
     std::optional<RestState> rest_;
     std::unique_ptr<Equilibrium> equilibrium_;  ///< until the first step: it takes memory
     std::optional<ExplicitLimit> limit_;
-    Observer observer_;  ///< made last: finding the fastest vibration takes much memory
+    Observer observer_;
     RowSink sink_;
     TraceSink trace_;
     bool asks_ode_ = true;
-    std::vector<BodyState>
-        first_after_;  ///< velocities half a step after the start that have the initial ones as their mean
+    std::vector<BodyState> first_after_;  ///< velocities half a step after the start that have the initial ones as their
+                                          ///< mean; where networks do not stand
 
     /// Of the bodies that an element holds.
     struct FastestTurning {

@@ -39,8 +39,8 @@ TEST(NetworkInstance, KnowsItsBlocksElementsAndChannels) {
     EXPECT_EQ(joint.blocks()[0].row, 0u);
     EXPECT_EQ(joint.blocks()[0].column, 0u);
     EXPECT_EQ(joint.element_name(0), "joint");
-    ASSERT_EQ(joint.channels().size(), 1u);
-    EXPECT_EQ(joint.channels()[0].name_in_owner(), "force.x");
+    ASSERT_EQ(joint.channel_count(), 1u);
+    EXPECT_EQ(joint.channel(0).name_in_owner(), "force.x");
 }
 
 // Oracle: the table of exit codes in the design; the text names element and plugin and ends with the plugin's own words.

@@ -44,7 +44,7 @@ Model thrown_body() {
     body.center_of_mass = {0.05, 0.02, -0.04};
     body.velocity = {3, 1, 4};
     body.angular_velocity = {0.5, -6, 2};
-    body.markers.push_back({"tip", {0.3, 0.1, -0.2}, Eigen::Matrix3d::Identity()});
+    body.markers.push_back({"tip", {0.3, 0.1, -0.2}, nullptr});
     model.bodies.push_back(body);
     return model;
 }
@@ -82,6 +82,20 @@ TEST(Observer, WantedChannelsAreThoseOfAllChannels) {
         const auto column = static_cast<size_t>(c);
         EXPECT_NE(all.back()[column], 0) << channels[column].name();
         EXPECT_EQ(rows_of({static_cast<int>(c)}).back()[column], all.back()[column]) << channels[column].name();
+    }
+}
+
+// Oracle: networks that nobody observes. Energies are no channels of the rows.
+TEST(Observer, ChannelsOfNetworksStayWhatTheyAre) {
+    const Plugins plugins;
+    const Model model = test::plate_stack(plugins, 2, 5e5, 100, 1e-3, Coupling::implicit);
+    Simulation simulation(model, plugins);
+    const Networks networks(model, plugins);
+    const NetworkInstance &observed = simulation.networks().instances()[0], &own = networks.instances()[0];
+    ASSERT_EQ(observed.channel_count(), own.channel_count());
+    for (size_t c = 0; c < own.channel_count(); ++c) {
+        EXPECT_EQ(observed.channel(c).name(), own.channel(c).name()) << c;
+        EXPECT_EQ(observed.channel(c).unit(), own.channel(c).unit()) << c;
     }
 }
 
@@ -205,7 +219,7 @@ TEST(Observer, TwoJoinedTumblingBodiesAccountForTheirEnergyToSecondOrder) {
         body.rotation = Eigen::AngleAxisd(0.7 + i, Eigen::Vector3d(1, 1, 0.3).normalized()).toRotationMatrix();
         body.velocity = {0.1 - i, -0.2, 0.3 * i};
         body.angular_velocity = {0.5, 6 - 8.0 * i, 0.8 + i};
-        body.markers.push_back({"end", {0.05, 0.1 - i, 0.2}, Eigen::Matrix3d::Identity()});
+        body.markers.push_back({"end", {0.05, 0.1 - i, 0.2}, nullptr});
         model.bodies.push_back(body);
     }
     Element joint = test::spring("joint", plugins, {0, 0}, {1, 0}, 3e3, 1);

@@ -23,7 +23,8 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
 }
 
 std::vector<BodyState> EndOfStep::start(double h, const std::vector<BodyState>& at, const BodyVectors& accelerations) {
-    trial_ = half_ = at;
+    trial_ = at;
+    if (!joints_.empty()) half_ = at;
     equations_.start(h);
     equations_.place_before_start(at, stops_);
     std::vector<BodyState> half_step_back = at;

@@ -146,7 +146,9 @@ public:
         for (size_t body = 0; body < model_.bodies.size(); ++body)
             std::copy_n(u.data() + K_.index(as_int(body)), 6, &motion[6 * body]);
         double total = 0;
-        for (const Networks::TakenUp& taken : networks_.take_up(at_, motion.data())) {
+        const std::vector<Networks::TakenUp> all = networks_.take_up(at_, motion.data());
+        mode.elements.reserve(all.size());
+        for (const Networks::TakenUp& taken : all) {
             mode.elements.push_back({taken.element, a * taken.elastic + b * taken.damped});
             total += mode.elements.back().share;
         }

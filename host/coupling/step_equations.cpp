@@ -43,7 +43,7 @@ StepEquations::StepEquations(const Model& model, const Networks& networks)
       joints_(model.bodies, model.joints),
       matrix_(as_int(model.bodies.size()), networks.neighbours(), joints_.nodes()),
       factor_(matrix_),
-      struck_at_(model.bodies.size()),
+      struck_at_(model.joints.empty() ? 0 : model.bodies.size()),
       stiffness_shares_(model.bodies.size(), 1),
       turns_(model.bodies.size()) {
     const auto couple = [&](int first, int second) {

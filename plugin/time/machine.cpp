@@ -218,23 +218,34 @@ void Machine::place_channels(std::span<const std::vector<uint32_t>> units) {
     for (Part& part : networks_)
         for (size_t e = 0; e < part.network.places().elements.size(); ++e)
             piece_of[part.network.places().elements[e]] = {&part.network, e};
-    const auto place = [&](Network& network, size_t piece) {
-        network.results().place(piece, channels_.size());
-        const auto channels = network.results().piece(piece);
-        channels_.insert(channels_.end(), channels.begin(), channels.end());
+    // Visits the pieces in their order
+    const auto for_each_piece = [&](const auto& visit) {
+        for (const std::vector<uint32_t>& unit : units) {
+            for (uint32_t e : unit) visit(piece_of[e].first->results(), piece_of[e].second);
+            NetworkResults& results = piece_of[unit.front()].first->results();
+            const size_t others = results.piece_count() - 1;
+            if (!results.piece(others).empty()) visit(results, others);
+        }
     };
-    size_t count = 0;
-    for (const Part& part : networks_) count += part.network.channels().size();
-    channels_.reserve(count);
-    for (const std::vector<uint32_t>& unit : units) {
-        for (uint32_t e : unit) place(*piece_of[e].first, piece_of[e].second);
-        Network& network = *piece_of[unit.front()].first;
-        const size_t others = network.results().piece_count() - 1;
-        if (!network.results().piece(others).empty()) place(network, others);
+    size_t count = 0, next = 0;
+    bool is_in_order = networks_.size() == 1;
+    for_each_piece([&](NetworkResults& results, size_t piece) {
+        is_in_order = is_in_order && piece == next++;
+        results.place(piece, count);
+        count += results.piece(piece).size();
+    });
+    if (is_in_order) {
+        channels_ = networks_.front().network.results().take_channels();
+    } else {
+        channels_.reserve(count);
+        for_each_piece([&](NetworkResults& results, size_t piece) {
+            const auto channels = results.piece(piece);
+            channels_.insert(channels_.end(), channels.begin(), channels.end());
+        });
     }
     if (!supports_.empty()) channels_.push_back({"work_of_supports", "J", DTTMM_OF_ELEMENT, 0, DTTMM_ROLE_WORK});
     channel_count_ = channels_.size();
-    for (Part& part : networks_) part.network.results().forget_channels();
+    for (Part& part : networks_) part.network.results().take_channels();
     for (const Part& part : networks_) std::ranges::copy(part.network.results().lines(), std::back_inserter(lines_));
 }
 

@@ -47,6 +47,8 @@ Network::Network(const dttmm_network& description, Places places)
     for (Joint& joint : mechanism_.joints)
         joint.report_work(description.at_work, places_.elements[as_size(joint.element())]);
     std::vector<JointSpec>().swap(mechanism_.assembly.joints);
+    for (int f = 0; f < mechanism_.assembly.driven_count; ++f)  // of these no message tells any more
+        mechanism_.assembly.frames[as_size(f)].label.reset();
     if (!interior_ && !results_.shows_nodes()) std::vector<NodeSpec>().swap(mechanism_.assembly.nodes);
     earlier_.assign(mechanism_.frames.begin(), mechanism_.frames.begin() + mechanism_.assembly.driven_count);
     if (interior_) dense_.resize(blocks_.dense_size());

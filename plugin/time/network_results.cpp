@@ -21,6 +21,9 @@ using Map3 = Eigen::Map<Vector3>;
 NetworkResults::NetworkResults(const dttmm_network& description, const Places& places, const Mechanism& mechanism,
                                const Interior* interior)
     : places_(places), mechanism_(mechanism), interior_(interior) {
+    constexpr size_t kOfOneJoint = 14;  // channels at most
+    piece_begin_.reserve(description.element_count + 2);
+    channels_.reserve(kOfOneJoint * description.element_count);
     for (uint32_t e = 0; e < description.element_count; ++e) {
         piece_begin_.push_back(channels_.size());
         declare_element(description, e);
@@ -34,9 +37,18 @@ NetworkResults::NetworkResults(const dttmm_network& description, const Places& p
 
 void NetworkResults::declare(std::string_view name, const char* unit, uint32_t of, uint32_t index, uint32_t role) {
     const uint32_t at = (of == DTTMM_OF_ELEMENT ? places_.elements : places_.nodes)[index];
+    channels_.push_back({keep(name), unit, of, at, role});
+}
+
+/// The next channel of the element before has the same name, mostly: then that.
+const char* NetworkResults::keep(std::string_view name) {
+    if (const size_t elements = piece_begin_.size(); elements > 1) {
+        const size_t twin = piece_begin_[elements - 2] + channels_.size() - piece_begin_[elements - 1];
+        if (twin < piece_begin_[elements - 1] && channels_[twin].name == name) return channels_[twin].name;
+    }
     char* kept = static_cast<char*>(names_->allocate(name.size() + 1, 1));
     *std::ranges::copy(name, kept).out = '\0';
-    channels_.push_back({kept, unit, of, at, role});
+    return kept;
 }
 
 void NetworkResults::declare_vectors(const std::string& prefix,

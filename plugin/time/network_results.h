@@ -40,8 +40,8 @@ public:
         return std::span(channels_).subspan(piece_begin_[piece], piece_begin_[piece + 1] - piece_begin_[piece]);
     }
     void place(size_t piece, size_t at) { piece_places_[piece] = at; }
-    /// Where another has them; their names stay.
-    void forget_channels() { std::vector<dttmm_channel>().swap(channels_); }
+    /// For another to have them; their names stay.
+    std::vector<dttmm_channel> take_channels() { return std::exchange(channels_, {}); }
     /// Frees the texts that the channels point to: nobody may read a channel afterwards.
     void forget_names() { names_.reset(); }
     void write(const Instant& instant, double* values) const;
@@ -70,6 +70,7 @@ private:
         bool has_place;  ///< nothing but its support moves it
     };
 
+    const char* keep(std::string_view name);
     void declare(std::string_view name, const char* unit, uint32_t of, uint32_t index, uint32_t role);
     void declare_vectors(const std::string& prefix, std::initializer_list<std::pair<const char*, const char*>> vectors,
                          uint32_t of, uint32_t index, uint32_t role);

@@ -162,7 +162,7 @@ void OneResponse::write_summary(const ResultsFolder& folder, bool is_stopped) {
         json.member("largest_receptance", largest_.size);
         json.member("largest_at_hz", largest_.at);
         json.member("command_line", request_.command_line);
-        json.member("inputs", describe_inputs(session_.model, request_));
+        write_inputs(json, session_.model, request_);
         write_model(json, session_.model, plugins_.catalogue());
     });
 }

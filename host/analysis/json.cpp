@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/json.h"
 
+#include <algorithm>
+
 #include "record/atomic_file.h"
 
 namespace dttmm::host {
@@ -47,19 +49,19 @@ private:
     nlohmann::detail::serializer<Json> serializer_;
 };
 
-JsonWriter::JsonWriter(std::ostream& stream) : output_(std::make_unique<JsonOutput>(stream)) { open(); }
+JsonWriter::JsonWriter(std::ostream& stream) : output_(std::make_unique<JsonOutput>(stream)) { open('{'); }
 JsonWriter::~JsonWriter() = default;
 
-void JsonWriter::open() {
-    output_->write("{");
+void JsonWriter::open(char bracket) {
+    output_->write({&bracket, 1});
     ++depth_;
     is_empty_ = true;
 }
 
-void JsonWriter::close() {
+void JsonWriter::close(char bracket) {
     --depth_;
     if (!is_empty_) start_line();
-    output_->write("}");
+    output_->write({&bracket, 1});
     is_empty_ = false;
 }
 
@@ -68,10 +70,16 @@ void JsonWriter::start_line() {
     for (unsigned i = 0; i < kIndent * depth_; ++i) output_->write(" ");
 }
 
-void JsonWriter::begin_member(std::string_view name) {
+void JsonWriter::begin_line() {
     if (!is_empty_) output_->write(",");
     is_empty_ = false;
     start_line();
+}
+
+void JsonWriter::dump(const Json& value) { output_->dump(value, depth_); }
+
+void JsonWriter::begin_member(std::string_view name) {
+    begin_line();
     output_->dump(Json(name), depth_);
     output_->write(": ");
 }
@@ -81,8 +89,23 @@ void JsonWriter::member(std::string_view name, const Json& value) {
     output_->dump(value, depth_);
 }
 
+void JsonWriter::text(std::string_view name, std::string_view value) {
+    constexpr std::size_t kPiece = 4096;  // bytes
+    begin_member(name);
+    output_->write("\"");
+    while (!value.empty()) {
+        std::size_t end = std::min(kPiece, value.size());
+        for (int back = 0; back < 3 && end < value.size() && (value[end] & 0xC0) == 0x80; ++back)
+            --end;  // within a character
+        const std::string quoted = Json(value.substr(0, end)).dump(-1, ' ', false, Json::error_handler_t::replace);
+        output_->write(std::string_view(quoted).substr(1, quoted.size() - 2));
+        value.remove_prefix(end);
+    }
+    output_->write("\"");
+}
+
 void JsonWriter::finish() {
-    close();
+    close('}');
     output_->write("\n");
     output_->flush();
 }

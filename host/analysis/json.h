@@ -160,26 +160,41 @@ public:
     ~JsonWriter();
 
     void member(std::string_view name, const Json& value);
+    /// A text too large to be copied.
+    void text(std::string_view name, std::string_view value);
     /// Members that `write` gives, as an object.
     template <class Write>
     void object(std::string_view name, const Write& write) {
         begin_member(name);
-        open();
+        open('{');
         write();
-        close();
+        close('}');
+    }
+    /// value_of(item) of every item, as an array.
+    template <class Items, class ValueOf>
+    void array(std::string_view name, const Items& items, const ValueOf& value_of) {
+        begin_member(name);
+        open('[');
+        for (const auto& item : items) {
+            begin_line();
+            dump(value_of(item));
+        }
+        close(']');
     }
     /// The last call.
     void finish();
 
 private:
-    void open();
-    void close();
+    void open(char bracket);
+    void close(char bracket);
+    void begin_line();
     void begin_member(std::string_view name);
     void start_line();
+    void dump(const Json& value);
 
     std::unique_ptr<JsonOutput> output_;
     unsigned depth_ = 0;
-    bool is_empty_ = true;  ///< the innermost open object, so far
+    bool is_empty_ = true;  ///< the innermost open object or array, so far
 };
 
 /// Writes `json` and a line feed, indented by two. What is not UTF-8 becomes a replacement character.

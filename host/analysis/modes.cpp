@@ -251,7 +251,7 @@ ExitCode find_modes(const Request& request) {
     write_json(folder.file("summary.json"), [&](JsonWriter& out) {
         for (const auto& [name, value] : json.items()) out.member(name, value);
         out.member("command_line", request.command_line);
-        out.member("inputs", describe_inputs(model, request));
+        write_inputs(out, model, request);
         write_model(out, model, plugins.catalogue());
     });
     if (request.modes.as_json) {

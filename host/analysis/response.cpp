@@ -221,7 +221,7 @@ void SteadyResponse::write_summary(const ResultsFolder& folder, size_t rows, boo
                 });
         });
         json.member("command_line", request_.command_line);
-        json.member("inputs", describe_inputs(machine_.session.model, request_));
+        write_inputs(json, machine_.session.model, request_);
         write_model(json, machine_.session.model, plugins_.catalogue());
     });
 }

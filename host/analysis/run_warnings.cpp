@@ -136,27 +136,32 @@ struct Alternating {
     }
 };
 
-/// By owner, of the channels wanted.
+/// Of the channels wanted the owner that alternates most for its peak, if that is by more than a tenth and by more than
+/// `least`; of what lasts, if any does.
 template <class Wanted>
-std::map<std::string_view, Alternating> find_alternating(const Recorder& recorder, const Wanted& wanted) {
-    std::map<std::string_view, Alternating> found;
-    for (size_t c = 1; c < recorder.channels().size(); ++c) {
-        const Channel& channel = recorder.channels()[c];
-        if (!wanted(channel)) continue;
-        Alternating& own = found[channel.owner()];
-        const ChannelStatistics& statistics = recorder.statistics(as_int(c));
-        own = {channel.owner(), std::max(own.peak, statistics.peak), std::max(own.ripple, statistics.ripple),
-               std::max(own.final, statistics.ripple_final)};
-    }
-    return found;
-}
-
-/// What alternates most for its peak, if that is by more than a tenth and by more than `least`; of what lasts, if any does.
-std::optional<Alternating> find_worst(const std::map<std::string_view, Alternating>& all, double least) {
+std::optional<Alternating> find_worst(const Recorder& recorder, const Wanted& wanted, double least) {
     constexpr double kTolerated = 0.1;
+    std::map<std::string_view, Alternating> found;
+    const auto for_each_wanted = [&](const auto& look) {
+        for (size_t c = 1; c < recorder.channels().size(); ++c)
+            if (const Channel& channel = recorder.channels()[c]; wanted(channel))
+                look(channel.owner(), recorder.statistics(as_int(c)));
+    };
+    const auto alternates = [&](const auto& one) { return one.ripple > kTolerated * one.peak && one.ripple > least; };
+    // An owner does where one of its directions does: of a large machine these are few
+    for_each_wanted([&](std::string_view owner, const ChannelStatistics& statistics) {
+        if (alternates(statistics)) found[owner].owner = owner;
+    });
+    for_each_wanted([&](std::string_view owner, const ChannelStatistics& statistics) {
+        const auto own = found.find(owner);
+        if (own == found.end()) return;
+        own->second.peak = std::max(own->second.peak, statistics.peak);
+        own->second.ripple = std::max(own->second.ripple, statistics.ripple);
+        own->second.final = std::max(own->second.final, statistics.ripple_final);
+    });
     std::optional<Alternating> worst;
-    for (const auto& [owner, one] : all) {
-        if (one.ripple <= kTolerated * one.peak || one.ripple <= least) continue;
+    for (const auto& [owner, one] : found) {
+        if (!alternates(one)) continue;
         if (!worst || std::pair(one.lasts(), one.share()) > std::pair(worst->lasts(), worst->share())) worst = one;
     }
     return worst;
@@ -172,7 +177,7 @@ void warn_ripple(const Recorder& recorder, const Session& session, Warnings& war
     // Beside the largest force of the machine this is rounding: it moves what is held by 1e-16 of its size
     const double rounding = 1e-8 * find_largest_force(recorder);
     const auto is_of_element = [](const Channel& c) { return c.of() == Channel::Of::element && is_force(c); };
-    if (const auto worst = find_worst(find_alternating(recorder, is_of_element), rounding)) {
+    if (const auto worst = find_worst(recorder, is_of_element, rounding)) {
         warnings.add(
             "alternating-force",
             fmt::format("the force of element {}: a vibration that the step of {:g} s does not follow. It rings for "
@@ -184,7 +189,7 @@ void warn_ripple(const Recorder& recorder, const Session& session, Warnings& war
     if (!session.fast_loads.empty()) return;  // the cause, and another warning names it
     const auto accelerates = [](const Channel& c) { return c.quantity() == "acceleration" && c.by_default(); };
     constexpr double kUnseen = 0.02;  // m/s^2, two thousandths of g: what sensors on machines do not tell from noise
-    const auto worst = find_worst(find_alternating(recorder, accelerates), kUnseen);
+    const auto worst = find_worst(recorder, accelerates, kUnseen);
     if (!worst) return;
     const std::string text = fmt::format(
         "the acceleration of {}, though no force of an element alternates by a tenth of its peak: a vibration of something "

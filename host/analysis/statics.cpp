@@ -614,7 +614,7 @@ void write_summary(JsonWriter& json, const Results& results, const Model& model,
                 });
         });
     json.member("command_line", request.command_line);
-    json.member("inputs", describe_inputs(model, request));
+    write_inputs(json, model, request);
     write_model(json, model, plugins.catalogue());
 }
 

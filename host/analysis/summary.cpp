@@ -108,6 +108,9 @@ void describe_channels(const Recorder& recorder, const Wanted& wanted, const Tel
     const auto owner = [&](int c) { return &all[as_size(c)].owner(); };
     std::ranges::sort(chosen, {}, [&](int c) { return std::pair(owner(c), c); });
     std::vector<std::span<const int>> owners;
+    size_t count = 0;
+    for (size_t i = 0; i < chosen.size(); ++i) count += i == 0 || owner(chosen[i]) != owner(chosen[i - 1]);
+    owners.reserve(count);
     for (auto rest = std::span<const int>(chosen); !rest.empty(); rest = rest.subspan(owners.back().size())) {
         const auto end = std::ranges::find_if(rest, [&](int c) { return owner(c) != owner(rest.front()); });
         owners.emplace_back(rest.begin(), end);
@@ -245,7 +248,7 @@ Json describe_load(const Model& model, const Load& load) {
 
 void write_model(JsonWriter& out, const Model& model, const ElementCatalogue& catalogue) {
     const bool is_implicit = model.simulation.coupling == Coupling::implicit;
-    Json joints = Json::object(), loads = Json::array(), parameters = Json::object();
+    Json joints = Json::object(), parameters = Json::object();
     for (const Joint& joint : model.joints) {
         Json& entry =
             joints[joint.name] = {{"type", joint_type_name(joint.type)},
@@ -255,7 +258,6 @@ void write_model(JsonWriter& out, const Model& model, const ElementCatalogue& ca
         if (joint.type == JointType::universal) entry["axis2"] = vector_json(joint.axis2);
         if (joint.limits) entry["limits"] = *joint.limits;
     }
-    for (const Load& load : model.loads) loads.push_back(describe_load(model, load));
     for (const Parameter& parameter : model.parameters) parameters[parameter.name] = parameter.value;
     out.object("model", [&] {
         out.member("title", model.title);
@@ -273,7 +275,7 @@ void write_model(JsonWriter& out, const Model& model, const ElementCatalogue& ca
         out.object("nodes", [&] {
             for (const Node& node : model.nodes) out.member(node.name, describe_node(node));
         });
-        out.member("loads", loads);
+        out.array("loads", model.loads, [&](const Load& load) { return describe_load(model, load); });
         out.member("joints", joints);
         out.object("elements", [&] {
             for (const Element& element : model.elements)
@@ -293,15 +295,36 @@ const std::string& describe_build() {
 
 }  // namespace
 
-Json describe_inputs(const Model& model, const Request& request) {
+namespace {
+
+constexpr const char* kModelText = "model_text";
+
+/// All inputs but the text of the model.
+Json describe_other_inputs(const Model& model, const Request& request) {
     Json given = Json::object(), files = Json::object(), plugins = Json::object();
     for (const Option& one : options())  // in the order of the table, however they were given
         for (const auto& [option, value] : request.given)
             if (option == &one && one.changes_results) given[one.name()].push_back(value);
     for (const std::filesystem::path& file : model.files) files[file.string()] = digest_of(file);
     for (const std::string& plugin : request.plugins) plugins[plugin] = digest_of(plugin);
-    return {{"model_text", model.source}, {"options", given},         {"files", files},
-            {"plugins", plugins},         {"version", DTTMM_VERSION}, {"build", describe_build()}};
+    return {
+        {"options", given}, {"files", files}, {"plugins", plugins}, {"version", DTTMM_VERSION}, {"build", describe_build()}};
+}
+
+}  // namespace
+
+Json describe_inputs(const Model& model, const Request& request) {
+    Json inputs = {{kModelText, model.source}};
+    inputs.update(describe_other_inputs(model, request));
+    return inputs;
+}
+
+void write_inputs(JsonWriter& out, const Model& model, const Request& request) {
+    const Json others = describe_other_inputs(model, request);
+    out.object("inputs", [&] {
+        out.text(kModelText, model.source);
+        for (const auto& [name, value] : others.items()) out.member(name, value);
+    });
 }
 
 Json describe_warnings(const Warnings& warnings) {
@@ -344,17 +367,22 @@ void write_run(JsonWriter& out, const Model& model, const Request& request, cons
     out.member("coupling", {{"passes", simulation.end_of_step().passes()},
                             {"passes_per_step", static_cast<double>(simulation.end_of_step().passes()) / steps},
                             {"factorisations", simulation.end_of_step().factorisations()}});
-    out.member("fastest_vibration", {{"omega_h", simulation.fastest_mode().omega * simulation.step_size()},
-                                     {"frequency_hz", simulation.fastest_mode().omega / (2 * M_PI)},
-                                     {"body", simulation.fastest_mode().body},
-                                     {"elements", describe_shares(simulation.fastest_mode())},
-                                     {"explicit_limit", describe_limit(simulation)}});
+    const FastestMode& fastest = simulation.fastest_mode();
+    out.object("fastest_vibration", [&] {
+        out.member("omega_h", fastest.omega * simulation.step_size());
+        out.member("frequency_hz", fastest.omega / (2 * M_PI));
+        out.member("body", fastest.body);
+        out.object("elements", [&] {
+            for (const ElementShare& element : fastest.elements) out.member(element.element, element.share);
+        });
+        out.member("explicit_limit", describe_limit(simulation));
+    });
     out.member("energy", describe_energy(recorder));
     write_channels(out, "elements", recorder, is_of(Channel::Of::element));
     write_channels(out, "joints", recorder, is_of(Channel::Of::joint));
     write_channels(out, "positions", recorder, is_position);
     write_channels(out, "accelerations", recorder, is_acceleration);
-    out.member("inputs", describe_inputs(model, request));
+    write_inputs(out, model, request);
     write_model(out, model, plugins.catalogue());
     if (halving) out.member("tolerance", describe_tolerance(*halving, recorder.channels()));
 }

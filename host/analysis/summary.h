@@ -19,6 +19,8 @@ namespace dttmm::host {
 /// changed. A sweep reuses a case whose
 /// inputs are equal.
 Json describe_inputs(const Model& model, const Request& request);
+/// The same as member "inputs".
+void write_inputs(JsonWriter& out, const Model& model, const Request& request);
 
 /// A number that tells whether a file has changed; of none that of an empty one.
 std::string digest_of(const std::filesystem::path& path);

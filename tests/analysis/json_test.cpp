@@ -83,10 +83,22 @@ TEST(Json, MembersWrittenOneByOneAreTheDump) {
         out.member("\"quoted\"\n", 0.1);
         out.object("deeper", [&] { out.member("b", Json::array()); });
     });
+    out.array("list", std::vector{3, 5, 7}, [](int i) { return Json{{"i", i}, {"twice", 2 * i}}; });
+    out.array("none", std::vector<int>(), [](int i) { return Json(i); });
+    // Characters of one to four bytes, so that pieces end within them
+    std::string text;
+    for (int i = 0; i < 3000; ++i)
+        text += i % 7 == 0 ? "\"\n" : i % 3 == 0 ? "\u00e9" : i % 2 == 0 ? "\u20ac" : "\U0001f529";
+    out.text("text", text);
+    out.text("short", "");
     out.member("last", nullptr);
     out.finish();
     Json whole = {{"a", {{"x", 1}, {"y", {2, 3}}}}, {"empty", Json::object()}};
     whole["deep"] = {{"\"quoted\"\n", 0.1}, {"deeper", {{"b", Json::array()}}}};
+    for (const int i : {3, 5, 7}) whole["list"].push_back({{"i", i}, {"twice", 2 * i}});
+    whole["none"] = Json::array();
+    whole["text"] = text;
+    whole["short"] = "";
     whole["last"] = nullptr;
     EXPECT_EQ(stream.str(), whole.dump(2) + "\n");
 }

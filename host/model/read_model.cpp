@@ -8,6 +8,7 @@
 #include "model/attachments.h"
 #include "model/element_scale.h"
 #include "model/expanded_file.h"
+#include "model/freed_memory.h"
 #include "model/index.h"
 #include "model/name_registry.h"
 #include "model/read_body.h"
@@ -184,7 +185,9 @@ void refuse_loss_factors(const Model& model, const ElementCatalogue& catalogue) 
 }  // namespace
 
 Model read_model(const fs::path& file, const ElementCatalogue& catalogue, const ModelOverrides& overrides) {
-    return parse_model(read_text_file(file), file, catalogue, overrides);
+    Model model = parse_model(read_text_file(file), file, catalogue, overrides);
+    give_back_memory();
+    return model;
 }
 
 Model parse_model(std::string_view text, const fs::path& file, const ElementCatalogue& catalogue,

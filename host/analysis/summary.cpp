@@ -335,8 +335,8 @@ Json describe_warnings(const Warnings& warnings) {
 
 Recorder::Counts counts_in_summary(const Channel& channel) {
     if (channel.of() == Channel::Of::energy) return Recorder::Counts::extremes;
-    const bool is_told = tells_of_link(channel) || is_position(channel) || is_acceleration(channel);
-    return is_told ? Recorder::Counts::peak : Recorder::Counts::nothing;
+    const bool is_printed = tells_of_link(channel) || is_position(channel) || is_acceleration(channel);
+    return is_printed ? Recorder::Counts::peak : Recorder::Counts::nothing;
 }
 
 void write_run(JsonWriter& out, const Model& model, const Request& request, const Plugins& plugins,

@@ -144,13 +144,13 @@ ChannelStatistics Recorder::statistics(int channel) const {
         throw Error(ExitCode::internal_error,
                     fmt::format("channel \"{}\" has no statistics; this is a fault of dttmm, please report it",
                                 channels_[as_size(channel)].name()));
-    ChannelStatistics told{s.peak[i], s.peak_time[i], 0, 0, s.final[i]};
-    if (const int at = find_extremes(i); at >= 0) told.minimum = s.minimum[at], told.maximum = s.maximum[at];
+    ChannelStatistics statistics{s.peak[i], s.peak_time[i], 0, 0, s.final[i]};
+    if (const int at = find_extremes(i); at >= 0) statistics.minimum = s.minimum[at], statistics.maximum = s.maximum[at];
     if (alternates(i)) {
         const Alternation& one = alternations_[as_size(i)];
-        told.ripple = one.ripple, told.ripple_final = one.mean, told.bend = one.bend;
+        statistics.ripple = one.ripple, statistics.ripple_final = one.mean, statistics.bend = one.bend;
     }
-    return told;
+    return statistics;
 }
 
 /// What a value does to the ripple and bend of its channel, before it is in the statistics.

@@ -20,8 +20,8 @@ namespace {
 /// Of one Newton correction [rad]: the derivative says little of what is farther.
 constexpr double kMostTurn = 0.5;
 /// Of the ends of a joint that turn against each other, as share of what its law holds up to: more may be a kink, which
-/// larger corrections than the second have led to. Of 60 ropes 39 were found with kinks, with this 1; with a second of twice
-/// as much 14, of half as much 1.
+/// larger corrections than the second have led to. Of 60 ropes 39 were found with kinks, and 1 where corrections are this
+/// small; 14 where they are twice as large, 5 where half as large.
 constexpr double kMayBeKink = 0.5, kMostBend = 0.125;
 /// Of what supports and motors ask for in one load step [rad]. Bodies and springs are followed from one load step to the
 /// next: two supports that turn against each other stay within half a turn.

@@ -247,7 +247,6 @@ private:
                 if (!line.line.stretches_only) continue;  // its own mass bends it
                 refuse_idle_rod(line.element);
             }
-            check_ends(line.from, line.to, {}, line.element);
         }
         check_divided_rods();
     }

@@ -69,7 +69,8 @@ void FrequencyAssembly::run() {
     add_constraints();
     add_lines(assembly.lines);
     if (resting_) resting_->add_loads(assembly, frame_of_);
-    if (model_.frames.empty()) throw Error(DTTMM_ERROR_MODEL, "nothing moves: no body and no free node");
+    if (model_.frames.empty() && model_.lines.empty())
+        throw Error(DTTMM_ERROR_MODEL, "nothing moves: no body and no free node");
 }
 
 void FrequencyAssembly::add_bodies() {

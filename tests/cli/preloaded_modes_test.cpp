@@ -948,5 +948,41 @@ material = { E = "210 GPa", poisson = 0.3, density = 7850 }
     for (size_t k = 0; k < 8; ++k) EXPECT_NEAR(bent.at(k), straight.at(k), 2e-4 * straight.at(k)) << k;
 }
 
+// Oracle: a strip between two clamps that are pushed together by d carries EA d/L and buckles at 4π² EI/(L (L − d)). The
+// same strip with a node on it. No node of the strip alone is free to move, and modes were refused.
+TEST(PreloadedModes, AStripBetweenClampsThatArePushedTogether) {
+    static constexpr double kLength = 0.83, kEA = 3e6, kEI = 7, kPush = 2e-5;
+    const auto strip = [](double gravity, const char* probe) {
+        return fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, {}]
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+b = {{ position = [0, {}, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"], motion = {{ y = {} }} }}
+[[element]]
+name = "strip"
+type = "beam"
+from = "a"
+to = "b"
+segments = 40
+theory = "euler-bernoulli"
+section = {{ EA = {}, EIy = {}, EIz = 31, GJ = 9, mass = 0.4, inertia = 3e-5 }}
+{})",
+                           gravity, kLength, -kPush, kEA, kEI, probe);
+    };
+    const char* const kProbe = "[[probe]]\nname = \"p\"\non = \"strip\"\nat = 0.332\n";
+    const std::string straight = strip(0, "");
+    const AtRest rest = rest_of(straight, {"--buckling", "1"});
+    ASSERT_EQ(rest.summary["critical_load_factors"].size(), 1u);
+    EXPECT_NEAR(rest.summary["critical_load_factors"][0].get<double>() /
+                    (4 * M_PI * M_PI * kEI / (kLength * (kLength - kPush)) / (kEA * kPush / kLength)),
+                1, 1e-8);
+    expect_frequencies(frequencies_of(modes_of(straight, {"--count", "9"})),
+                       frequencies_of(modes_of(strip(0, kProbe), {"--count", "9"})), 1e-9);
+    // bent by its weight, a line is a part of one piece or of two
+    expect_frequencies(frequencies_of(modes_of(strip(-9.81, ""), {"--count", "9"})),
+                       frequencies_of(modes_of(strip(-9.81, kProbe), {"--count", "9"})), 1e-6);
+}
+
 }  // namespace
 }  // namespace dttmm::host

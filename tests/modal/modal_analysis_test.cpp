@@ -740,5 +740,45 @@ TEST(ModalAnalysis, ABeamBetweenTwoPointsOfOneRigidBody) {
     }
 }
 
+// Oracle: cosh βl cos βl = 1 across, nπ/l along and about the axis; the same beam with a node on it. All that moves lies
+// between the nodes.
+TEST(ModalAnalysis, ABeamBetweenTwoClamps) {
+    const NetworkModel network = beam(kHeld, kHeld);
+    Machine plane(network, kPlane);
+    constexpr double kRoots[] = {4.730040744862704, 7.853204624095838, 10.99560783800167};
+    const std::vector<dttmm_mode> across = plane.find(3);
+    ASSERT_EQ(across.size(), 3u);
+    for (uint32_t m = 0; m < 3; ++m) {
+        EXPECT_NEAR(across[m].frequency / euler(kRoots[m]), 1, 1e-9) << m;
+        EXPECT_NEAR(plane.along(m, 0, 401).row(1).cwiseAbs().maxCoeff(), 1, 0.02) << m;
+        EXPECT_LT(plane.shape(m).cwiseAbs().maxCoeff(), 1e-9) << m;
+    }
+    // Of the first shape cosh − cos − σ (sinh − sin), σ = 0.982502215: largest value, and (∫φ)²/(l ∫φ²)
+    EXPECT_NEAR(across[0].mass / kMass, 1 / (1.588146 * 1.588146), 2e-3);  // the largest is looked for at points
+    EXPECT_NEAR(across[0].participation[1], 0.690331, 1e-6);
+    for (const auto& [direction, speed] : {std::pair(0b000001u, std::sqrt(4e8 / 16)), {0b001000u, std::sqrt(2e5 / 0.05)}}) {
+        Machine line(network, direction);
+        const std::vector<dttmm_mode> modes = line.find(4);
+        ASSERT_EQ(modes.size(), 4u);
+        for (uint32_t m = 0; m < 4; ++m)
+            EXPECT_NEAR(modes[m].frequency / ((m + 1) * speed / (2 * kBeamLength)), 1, 1e-9) << direction;
+    }
+
+    NetworkModel divided;
+    divided.node("a", DTTMM_NODE_INNER, {0.3, 0, 0}).fixed = kHeld;
+    divided.node("p", DTTMM_NODE_INNER, {1.1, 0, 0});
+    divided.node("b", DTTMM_NODE_GROUND, {0.3 + kBeamLength, 0, 0});
+    divided.element("left", "beam", {"a", "p"}, bar(true));
+    divided.element("right", "beam", {"p", "b"}, bar(true));
+    const NetworkModel one = beam(kHeld, kHeld, true);
+    Machine whole(one), parts(divided);
+    const std::vector<dttmm_mode> own = whole.find(12), others = parts.find(12);
+    ASSERT_EQ(own.size(), 12u);
+    for (uint32_t m = 0; m < 12; ++m) {
+        EXPECT_NEAR(own[m].frequency / others[m].frequency, 1, 1e-9) << m;
+        for (int d = 0; d < 6; ++d) EXPECT_NEAR(own[m].participation[d], others[m].participation[d], 1e-6) << m << d;
+    }
+}
+
 }  // namespace
 }  // namespace dttmm::plugin

@@ -69,9 +69,11 @@ bool NewtonConvergence::judge(double rounding) {
     const double tolerance = std::max(last_.enough, std::min(limits_.first * first_, limits_.motion * last_.motion)),
                  allowed = limits_.impulse * last_.impulse;
     if (motion_.left(last_.correction) <= tolerance && momentum_.left(last_.residual) <= allowed) return true;
-    if (passes_ <= kPassesToFall || last_.correction <= 0.5 * last_.previous ||
-        last_.correction > std::max(limits_.rounding * last_.motion, kNearRounding * rounding) || last_.residual > allowed)
-        return false;
+    if (passes_ <= kPassesToFall || last_.correction <= 0.5 * last_.previous) return false;
+    // Forces in balance to rounding leave nothing to find, however far a soft direction moves for it
+    const bool is_balanced = last_.impulse > 0 && last_.residual == 0;
+    const bool is_small = last_.correction <= std::max(limits_.rounding * last_.motion, kNearRounding * rounding);
+    if (!is_balanced && (!is_small || last_.residual > allowed)) return false;
     noise_ = last_.correction;
     return true;
 }

@@ -1530,6 +1530,47 @@ TEST(Statics, RopesHangAsCatenaries) {
             }
 }
 
+/// Oracle: a straight wire that hangs along gravity, or rests between two supports pulled apart: N at its start, and nothing
+/// moves in a run. Its soft directions move by 1e-6 m/s for the rounding of its forces, which was taken for a motion that is
+/// not found: with "try a smaller step", in a command without one.
+TEST(Statics, SlenderWiresRest) {
+    const Eigen::Vector3d along = Eigen::Vector3d(0.31, -0.55, 0.78).normalized();
+    static constexpr double kLength = 41, kMass = 1.1, kG = 9.81;
+    for (const double pull : {0.0, 320.0}) {
+        const Eigen::Vector3d end = kLength * along, down = (pull == 0 ? kG : 0) * along,
+                              apart = pull * kLength / 1e6 * along;
+        const std::string motion = fmt::format(R"(, fixed = ["x", "y", "z"], motion = {{ x = {}, y = {}, z = {} }})",
+                                               apart.x(), apart.y(), apart.z());
+        const std::string text = fmt::format(
+            R"(format = "dttmm/1"
+[simulation]
+gravity = [{}, {}, {}]
+step = "1 ms"
+duration = "10 ms"
+start = "equilibrium"
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+b = {{ position = [{}, {}, {}]{} }}
+[[element]]
+name = "wire"
+type = "beam"
+from = "a"
+to = "b"
+segments = 10
+theory = "euler-bernoulli"
+section = {{ EA = 1e6, EIy = 1e-6, EIz = 1e-6, GJ = 7e-7, mass = {}, inertia = 2e-12 }}
+)",
+            down.x(), down.y(), down.z(), end.x(), end.y(), end.z(), pull == 0 ? "" : motion, kMass);
+        const double force = pull == 0 ? kMass * kLength * kG : pull;
+        AtRest rest = rest_of(text);
+        EXPECT_NEAR(rest.row["wire.force.x"], force, 1e-8 * force);
+        std::map<std::string, double> moved = final_row(text);
+        for (const char* axis : {"x", "y", "z"})
+            EXPECT_NEAR(moved["b.position." + std::string(axis)], rest.row["b.position." + std::string(axis)], 1e-8);
+        EXPECT_NEAR(moved["wire.force.x"], force, 1e-8 * force);
+    }
+}
+
 /// A column a little beyond its critical load, so that rounding hides whether its motion grows: it is not listed at rest.
 TEST(ModesAtRest, SlowGrowthIsRefused) {
     constexpr double kL = 1.2, kEI = 16.4, kEA = 1e9;

@@ -102,6 +102,24 @@ TEST(NewtonConvergence, TakesForRoundingWhatNoLongerFalls) {
     EXPECT_EQ(pass_done(unbalanced, noise(0.5e-7, 1e-6)), 0);
 }
 
+// A soft direction moves far for the rounding of stiff forces, beside which nothing moves.
+TEST(NewtonConvergence, TakesForRoundingWhatMovesWithForcesInBalance) {
+    const auto ends_at = [](double residual, double impulse, double last) {
+        NewtonConvergence inside(NewtonConvergence::kInside);
+        std::vector<dttmm_progress> passes;
+        double previous = 0;
+        for (const double correction : {3e-6, 2e-6, 3e-6, 2e-6, last}) {
+            passes.push_back({correction, previous, 0, 1e-15, residual, impulse, 0, -1});
+            previous = correction;
+        }
+        return pass_done(inside, passes);
+    };
+    EXPECT_EQ(ends_at(0, 1, 1.1e-6), 5);
+    EXPECT_EQ(ends_at(0, 1, 0.9e-6), 0) << "it falls";
+    EXPECT_EQ(ends_at(1e-18, 1, 1.1e-6), 0) << "something is left";
+    EXPECT_EQ(ends_at(0, 0, 1.1e-6), 0) << "there are no forces, or nobody has looked at them";
+}
+
 TEST(NewtonConvergence, FindsBodiesToRounding) {
     NewtonConvergence bodies(NewtonConvergence::kBodies);
     EXPECT_EQ(pass_done(bodies, {part(1e-2, 0), part(1e-6, 1e-2), part(1e-10, 1e-6)}), 3);
@@ -147,7 +165,7 @@ TEST(NewtonConvergence, LimitsOfWhatNoLongerFalls) {
     const auto done = [](const NewtonConvergence::Limits& limits, double size, double motion) {
         NewtonConvergence convergence(limits);
         std::vector<dttmm_progress> passes;
-        for (int n = 0; n < 9; ++n) passes.push_back({size, n == 0 ? 0 : size, motion, 1e-15, 0, 1, 0, -1});
+        for (int n = 0; n < 9; ++n) passes.push_back({size, n == 0 ? 0 : size, motion, 1e-15, 1e-9, 1, 0, -1});
         return pass_done(convergence, passes);
     };
     EXPECT_EQ(done(NewtonConvergence::kBodies, kBelow * 1e-9, 1), 5);

@@ -384,6 +384,22 @@ void refuse_nonconservative(const Model& model, const ModalMachine& machine) {
                                        : "is a moment that keeps its direction where its point can turn about other axes"));
 }
 
+/// A critical load is that of the machine whose forces and turns grow in proportion to its loads.
+void note_beyond_limit(const Found& found, const std::vector<Channel>& channels, Warnings& warnings) {
+    const Limit* worst = nullptr;
+    for (const Limit& limit : found.limits)
+        if (!worst || limit.most > worst->most) worst = &limit;
+    for (const CriticalLoad& load : found.critical.factors)
+        if (worst && worst->most <= 1 && worst->most * std::abs(load.factor) > 1)
+            return warnings.note(
+                "critical-load-beyond-limit",
+                fmt::format(
+                    "at {:.4g} times the loads \"{}\" would be about {:.2g}: beyond 1 the law of element \"{}\" does "
+                    "not hold. A critical load so far from the loads is a guess; look at it under larger loads, or "
+                    "with more segments",
+                    load.factor, channels[worst->channel + 1].name(), worst->most * std::abs(load.factor), worst->element));
+}
+
 /// Counts motions that grow, names those that nothing holds, and finds load factors where they are asked for.
 void look_at_stability(const Request& request, const Model& model, const Plugins& plugins, Simulation& resting, Found& found,
                        Warnings& warnings) {
@@ -411,6 +427,7 @@ void look_at_stability(const Request& request, const Model& model, const Plugins
     if (request.statics.buckling > 0) found.critical = Buckling(describe()).find_factors(request.statics.buckling);
     for (CriticalLoad& load : found.critical.factors)
         if (load.uncertainty) *load.uncertainty += found.rest.unbalanced();
+    note_beyond_limit(found, resting.channels(), warnings);
 }
 
 /// What nothing holds in the machine as it is assembled, behind a reason why it does not come to rest.

@@ -1571,6 +1571,69 @@ section = {{ EA = 1e6, EIy = 1e-6, EIz = 1e-6, GJ = 7e-7, mass = {}, inertia = 2
     }
 }
 
+/// Oracle: a long wire under a pull N, whose ends moments M = 2 √(EI N) sin(φ/2) turn by φ against it. Segments far longer
+/// than √(EI/N) turn them too little, which makes critical loads that there are not: said where 0.02 rad lack.
+TEST(Statics, TurnedEndsOfAPulledWireAreResolvedOrSaid) {
+    static constexpr double kPull = 90, kLength = 1.3;
+    int said = 0, resolved = 0;
+    for (const double decay : {0.031, 0.004})
+        for (const double turn : {0.04, 0.1, 0.3})
+            for (const int segments : {1, 3, 10, 40}) {
+                if (decay < 0.01 && segments == 1) continue;  // its critical load takes seconds
+                const double EI = kPull * decay * decay;
+                const AtRest rest = rest_of(
+                    fmt::format(R"(format = "dttmm/1"
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "ry"] }}
+b = {{ position = [0, {0}, 0], fixed = ["x", "z", "ry"] }}
+[[element]]
+name = "wire"
+type = "beam"
+from = "a"
+to = "b"
+segments = {1}
+theory = "euler-bernoulli"
+section = {{ EA = 1e7, EIy = {2}, EIz = {3}, GJ = {2}, mass = 0.1, inertia = 1e-6 }}
+[[load]]
+on = "b"
+direction = [0, 1, 0]
+force = {4}
+[[load]]
+on = "b"
+direction = [0, 0, 1]
+moment = {5}
+[[load]]
+on = "a"
+direction = [0, 0, -1]
+moment = {5}
+)",
+                                kLength, segments, 2 * EI, EI, kPull, 2 * std::sqrt(EI * kPull) * std::sin(turn / 2)),
+                    {"--buckling", "1"});
+                const auto nodes = rest.row.find("b.rotation.z");
+                ASSERT_NE(nodes, rest.row.end());
+                const double lack = turn - nodes->second;
+                const bool is_said = rest.told.find("\"wire.turn_to_limit\" is") != std::string::npos;
+                if (lack > 0.024) {
+                    EXPECT_TRUE(is_said) << decay << " " << turn << " " << segments << " " << lack;
+                    ++said;
+                }
+                if (lack < 0.0165) {
+                    EXPECT_FALSE(is_said) << decay << " " << turn << " " << segments << " " << lack;
+                    ++resolved;
+                }
+                // None has a critical load below 2, and those far above are guesses
+                const double factor = rest.summary["critical_load_factors"].empty()
+                                          ? 1e9
+                                          : rest.summary["critical_load_factors"][0].get<double>();
+                EXPECT_TRUE(factor > 2 || is_said) << decay << " " << turn << " " << segments << " " << factor;
+                if (!is_said && factor < 1e9) {
+                    EXPECT_NE(rest.told.find("\"wire.turn_to_limit\" would be"), std::string::npos) << factor;
+                }
+            }
+    EXPECT_GE(said, 8);
+    EXPECT_GE(resolved, 8);
+}
+
 /// A column a little beyond its critical load, so that rounding hides whether its motion grows: it is not listed at rest.
 TEST(ModesAtRest, SlowGrowthIsRefused) {
     constexpr double kL = 1.2, kEI = 16.4, kEA = 1e9;

@@ -253,7 +253,7 @@ void FrequencyAssembly::add_lines(const std::vector<LineSpec>& specs) {
             if (resting_)
                 add_resting_line(spec);
             else
-                add_line(spec, {});
+                add_line(spec, {}, Matrix3::Zero());
         } catch (const Error& error) {
             throw Error(error.status(), error.what(), spec.element);
         }
@@ -261,28 +261,28 @@ void FrequencyAssembly::add_lines(const std::vector<LineSpec>& specs) {
 
 /// A line between two points of one frame is cut: what it does is seen at the point between, and links join different
 /// frames.
-void FrequencyAssembly::add_line(const LineSpec& spec, LineWaves::Axial axial) {
+void FrequencyAssembly::add_line(const LineSpec& spec, LineWaves::Axial axial, const Matrix3& falling) {
     const int pieces = spec.from == spec.to ? 2 : 1;
     const double length = (spec.finish - spec.start).norm() / pieces;
     model_.total_mass += spec.line.section.mass * pieces * length;
     const auto point = [&](int i) { return Vector3(spec.start + double(i) / pieces * (spec.finish - spec.start)); };
     for (int i = 0; i < pieces; ++i) {
         const auto at = [&](int k) { return axial[0] + double(k) / pieces * (axial[1] - axial[0]); };
-        add_piece(spec, i, pieces, point(i), point(i + 1), spec.line.axes, length, {at(i), at(i + 1)});
+        add_piece(spec, i, pieces, point(i), point(i + 1), spec.line.axes, length, {at(i), at(i + 1)}, falling);
     }
     if (!resting_ && model_.lines.back().waves->pinned().any()) add_pin(model_.lines.back());
 }
 
 /// The next piece of a line, from where the last one ends.
 void FrequencyAssembly::add_piece(const LineSpec& spec, int index, int count, const Vector3& start, const Vector3& finish,
-                                  const Matrix3& axes, double length, LineWaves::Axial axial) {
+                                  const Matrix3& axes, double length, LineWaves::Axial axial, const Matrix3& falling) {
     const int from = index == 0 ? frame_of_[as_size(spec.from)] : model_.lines.back().to;
     int to = frame_of_[as_size(spec.to)];
     if (index + 1 < count) {
         to = as_int(model_.frames.size());
         model_.frames.push_back({finish, "a point of it", spec.element});
     }
-    const size_t kind = find_kind(spec, length, axial);
+    const size_t kind = find_kind(spec, length, axial, falling);
     model_.lines.push_back({spec.element, from, to, start, finish, axes, spec.line, kind, model_.kinds[kind].get()});
 }
 
@@ -303,7 +303,7 @@ void FrequencyAssembly::add_resting_line(const LineSpec& spec) {
                          LineWaves(spec.line, forces.length(), active_axes(spec), axial).pieces(0, LineWaves::kMostPieces));
     if (count > LineWaves::kMostPieces) throw Error(DTTMM_ERROR_MEMORY, LineWaves::too_strong_to_cut());
     if (by_forces == 0) {
-        add_line(spec, axial);
+        add_line(spec, axial, forces.falling_in(spec.line.axes, section));
         if (is_bar) resting_->add_bar_force(model_.lines.back(), forces);
     } else {
         const std::vector<Matrix3>& up = model_.resting[as_size(spec.element)].axes_of_segments;
@@ -319,7 +319,8 @@ void FrequencyAssembly::add_resting_line(const LineSpec& spec) {
                           z = x.cross(y).normalized();
             piece.axes << x, z.cross(x), z;
             piece.axial = {forces.at(piece.from).head<3>().dot(x), forces.at(piece.to).head<3>().dot(x)};
-            add_piece(spec, i, count, start, finish, piece.axes, length, piece.axial);
+            add_piece(spec, i, count, start, finish, piece.axes, length, piece.axial,
+                      forces.falling_in(piece.axes, section));
             const LineModel& line = model_.lines.back();
             if (shapes_.size() <= line.kind) shapes_.resize(line.kind + 1);
             if (!shapes_[line.kind]) shapes_[line.kind] = line.waves->static_shapes();
@@ -333,12 +334,18 @@ void FrequencyAssembly::add_resting_line(const LineSpec& spec) {
 }
 
 /// The waves of a line of that length; lines alike share them.
-size_t FrequencyAssembly::find_kind(const LineSpec& spec, double length, LineWaves::Axial axial) {
+size_t FrequencyAssembly::find_kind(const LineSpec& spec, double length, LineWaves::Axial axial, const Matrix3& falling) {
     const Directions active = active_axes(spec);
-    const Key key = {std::bit_cast<std::tuple_element_t<0, Key>>(spec.line.section), length, spec.line.stretches_only,
-                     active.to_ulong(), axial};
+    std::array<double, 9> numbers{};
+    Eigen::Map<Matrix3>(numbers.data()) = falling;
+    const Key key = {std::bit_cast<std::tuple_element_t<0, Key>>(spec.line.section),
+                     length,
+                     spec.line.stretches_only,
+                     active.to_ulong(),
+                     axial,
+                     numbers};
     const auto [kind, is_new] = known_kinds_.try_emplace(key, model_.kinds.size());
-    if (is_new) model_.kinds.push_back(std::make_unique<LineWaves>(spec.line, length, active, axial));
+    if (is_new) model_.kinds.push_back(std::make_unique<LineWaves>(spec.line, length, active, axial, falling));
     return kind->second;
 }
 

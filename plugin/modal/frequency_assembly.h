@@ -29,11 +29,11 @@ private:
     void add_constraints();
     void add_joint(int element, int from, int to, const JointLaw& law, const Pose& pose);
     void add_lines(const std::vector<LineSpec>& specs);
-    void add_line(const LineSpec& spec, LineWaves::Axial axial);
+    void add_line(const LineSpec& spec, LineWaves::Axial axial, const Matrix3& falling);
     void add_resting_line(const LineSpec& spec);
     void add_piece(const LineSpec& spec, int index, int count, const Vector3& start, const Vector3& finish,
-                   const Matrix3& axes, double length, LineWaves::Axial axial);
-    size_t find_kind(const LineSpec& spec, double length, LineWaves::Axial axial);
+                   const Matrix3& axes, double length, LineWaves::Axial axial, const Matrix3& falling);
+    size_t find_kind(const LineSpec& spec, double length, LineWaves::Axial axial, const Matrix3& falling);
     Directions active_axes(const LineSpec& spec) const;
     void add_pin(const LineModel& line);
 
@@ -42,9 +42,10 @@ private:
     std::optional<RestingParts> resting_;
     std::vector<int> frame_of_;  ///< in the model of the assembly's frames; −1: the ground
 
-    /// What lines of one kind share, to the bit: section, length, whether it is a rod, active directions, axial force.
-    using Key =
-        std::tuple<std::array<uint64_t, sizeof(Section) / sizeof(double)>, double, bool, unsigned long, LineWaves::Axial>;
+    /// What lines of one kind share, to the bit: section, length, whether it is a rod, active directions, axial force,
+    /// what its weight does.
+    using Key = std::tuple<std::array<uint64_t, sizeof(Section) / sizeof(double)>, double, bool, unsigned long,
+                           LineWaves::Axial, std::array<double, 9>>;
     std::map<Key, size_t> known_kinds_;
     std::vector<std::optional<LineShapes>> shapes_;  ///< at rest, by kind
 };

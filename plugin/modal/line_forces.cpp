@@ -40,6 +40,11 @@ double least_bending(const Section& section) {
 
 }  // namespace
 
+Matrix3 falling(const Vector3& weight, const Vector3& beside) {
+    const Matrix3 across = weight * beside.transpose();
+    return across.trace() * Matrix3::Identity() - 0.5 * (across + across.transpose());
+}
+
 LineForces::LineForces(std::vector<Vector3> points, std::vector<Vector6> forces, const Vector6& turning, double factor)
     : points_(std::move(points)), forces_(std::move(forces)), turning_(turning), factor_(factor) {}
 
@@ -84,6 +89,13 @@ Vector3 LineForces::mean_force(double from, double to) const {
 
 Vector3 LineForces::turning_load(double share) const {
     return turning_.head<3>() + share * (turning_.tail<3>() - turning_.head<3>());
+}
+
+Matrix3 LineForces::falling_in(const Matrix3& axes, const Section& section) const {
+    constexpr double kRounding = 1e-12;  // of the axes: without it directions couple that do not
+    const Vector3 c(0, section.offset_y, section.offset_z);
+    const double least = kRounding * weight_.norm() * c.norm();
+    return falling(axes.transpose() * weight_, c).unaryExpr([&](double f) { return std::abs(f) > least ? f : 0.0; });
 }
 
 double LineForces::bend(const Section& section) const {
@@ -141,6 +153,8 @@ Matrix12 LineForces::stiffness(const Piece& piece, const Section& section, const
     const double h = piece.length;
     Vector3 mean = a / 3 + b / 6;
     mean.x() = a.x() / 2;
+    const Vector3 weight_of_piece = piece.axes.transpose() * weight_, mass_axis(0, section.offset_y, section.offset_z);
+    const Matrix3 known = falling_in(piece.axes, section);
     Matrix13 sum = Matrix13::Zero();
     Matrix12 K = Matrix12::Zero();
     Vector12 longer = Vector12::Zero();
@@ -156,6 +170,11 @@ Matrix12 LineForces::stiffness(const Piece& piece, const Section& section, const
         twisted.slope << shapes.at[k].slope, Vector6::Unit(3) * (4 * (1 - 2 * t) / h);
         sum += weight * turning_of_section(forces, turning_load(share), twisted);
         const Vector3 normal = turn_of_section(share);
+        if (!known.isZero(0)) {
+            const Rotations twisting = twisted.d.bottomRows<3>();
+            const Matrix3 turned = falling(weight_of_piece, rotation_from_vector<double>(turn + normal) * mass_axis);
+            sum += weight * twisting.transpose() * (turned - known) * twisting;
+        }
         const auto rotation = shapes.at[k].d.bottomRows<3>();
         const auto bend = shapes.at[k].slope.bottomRows<3>();
         const Matrix3 half = 0.5 * (force * slope.transpose() - force.dot(slope) * Matrix3::Identity()),

@@ -21,6 +21,10 @@ struct LineShapes {
     std::array<Shape, kPoints.size()> at;  ///< at Gauss' points, as shares of the length
 };
 
+/// What a weight does per length, [N] by rotations, at a place beside the axis that turns with the section: the second
+/// derivative of its potential −½ w·(θ × (θ × c)).
+Matrix3 falling(const Vector3& weight, const Vector3& beside);
+
 /// A line at rest that its segments bend and load: where they meet, and the section forces there, [f; m] on the positive
 /// face, world axes. Between these points it is straight, f is linear, and m' = −e × f along it makes m a cubic. Places on
 /// it are shares of it: of equal segments, each of which has an equal share.
@@ -30,6 +34,10 @@ public:
     /// per length at its start and at its end, its own axes, between which they are linear. factor: so many times the forces
     /// that have bent it.
     LineForces(std::vector<Vector3> points, std::vector<Vector6> forces, const Vector6& turning, double factor = 1);
+    /// Its weight per length [N/m, world axes], which acts on the mass axis of its section.
+    void set_weight(const Vector3& weight) { weight_ = weight; }
+    /// What that does, in axes of a straight line: what its waves know.
+    Matrix3 falling_in(const Matrix3& axes, const Section& section) const;
 
     int segments() const { return as_int(points_.size()) - 1; }
     /// Along its points [m].
@@ -58,7 +66,7 @@ public:
     /// direction of the axis. Loads q that turn with the line have no potential: the symmetric part of what they do, of −∫
     /// (θ × q)·δu ds, is added. The axis turns against the straight piece by φ, which moments make: it grows longer by ∫ (φ
     /// × e_x)·u' ds, of uniform tension, and bends and twists by ½ ∫ θ'·(R D Rᵀ − D) θ' ds, R = exp φ, D = diag(GJ, EIy,
-    /// EIz).
+    /// EIz). The weight beside the axis turns with that, too.
     /// The shape between the ends is that without all this, but for the torsion: it follows the forces with a parabola, held
     /// by GJ. Without it the load at which a deep beam tips over would err by 0.25 % at ten segments, not by 2e-5.
     Matrix12 stiffness(const Piece& piece, const Section& section, const LineShapes& shapes) const;
@@ -71,6 +79,7 @@ private:
     std::vector<Vector6> forces_;
     Vector6 turning_;
     double factor_;
+    Vector3 weight_ = Vector3::Zero();
 };
 
 }  // namespace dttmm::plugin

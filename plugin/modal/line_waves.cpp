@@ -60,7 +60,8 @@ void with_size(size_t directions, const Call& call) {
 
 }  // namespace
 
-LineWaves::LineWaves(const Line& line, double length, Directions active, Axial axial) : length_(length), axial_(axial) {
+LineWaves::LineWaves(const Line& line, double length, Directions active, Axial axial, const Matrix3& falling)
+    : length_(length), axial_(axial) {
     const Section& s = line.section;
     Directions moving;
     moving[0] = active[0];
@@ -91,11 +92,14 @@ LineWaves::LineWaves(const Line& line, double length, Directions active, Axial a
 
     Vector6 C;
     C << 1 / s.EA, 1 / s.GAy, 1 / s.GAz, 1 / s.GJ, 1 / s.EIy, 1 / s.EIz;
-    group_directions(s, moving, mass_per_length(s), C);
+    Matrix6 F = Matrix6::Zero();
+    F.bottomRightCorner<3, 3>() = falling;
+    group_directions(s, moving, mass_per_length(s), F, C);
 }
 
 /// Directions that the equations of the line couple, in groups: each is solved by itself.
-void LineWaves::group_directions(const Section& s, Directions moving, const Matrix6& M, const Vector6& C) {
+void LineWaves::group_directions(const Section& s, Directions moving, const Matrix6& M, const Matrix6& falling,
+                                 const Vector6& C) {
     Matrix6 A = Matrix6::Zero(), A_by_N = A, G_by_N = A, G_by_N2 = A;
     A(1, 5) = 1;
     A(2, 4) = -1;
@@ -120,7 +124,7 @@ void LineWaves::group_directions(const Section& s, Directions moving, const Matr
             for (size_t d = 0; d < 6; ++d) {
                 const int other = group.directions[k], own = as_int(d);
                 const bool bend = other != own && other + own == 6;  // a deflection and its rotation, also where N = GA
-                if (moving[d] && group_of[d] < 0 && (bend || M(other, own) != 0)) add(d);
+                if (moving[d] && group_of[d] < 0 && (bend || M(other, own) != 0 || falling(other, own) != 0)) add(d);
             }
         const auto n = as_row(group.directions.size());
         const auto own = [&](const Matrix6& of) {
@@ -135,6 +139,7 @@ void LineWaves::group_directions(const Section& s, Directions moving, const Matr
         group.A_by_N = own(A_by_N);
         group.G_by_N = own(G_by_N);
         group.G_by_N2 = own(G_by_N2);
+        group.falling = own(falling);
         group.C = C(group.directions);
         group.unit_d.setOnes(n);
         group.unit_n.resize(n);
@@ -153,7 +158,7 @@ void LineWaves::group_directions(const Section& s, Directions moving, const Matr
 /// section.
 bool LineWaves::is_mirror(const Group& one, const Group& other) {
     return one.directions.size() == 2 && other.directions.size() == 2 && one.C == other.C && one.M == other.M &&
-           one.M(0, 1) == 0 && one.M(1, 0) == 0 && one.A == -other.A;
+           one.M(0, 1) == 0 && one.M(1, 0) == 0 && one.falling.isZero(0) && other.falling.isZero(0) && one.A == -other.A;
 }
 
 double LineWaves::scale(const Group& group, double start, double s, double lambda) const {
@@ -164,6 +169,7 @@ double LineWaves::scale(const Group& group, double start, double s, double lambd
         const int direction = group.directions[as_size(k)];
         most = std::max(most, std::sqrt(mass * group.C(k)));
         if (direction > 3) most = std::max(most, std::sqrt(force * group.C(k)));
+        most = std::max(most, std::sqrt(group.falling.row(k).cwiseAbs().sum() * group.C(k)));
         for (Eigen::Index r = 0; r < as_row(group.directions.size()); ++r)
             if (direction + group.directions[as_size(r)] == 6 && (direction == 1 || direction == 2))
                 most = std::max(most, std::pow(mass * group.C(r), 0.25));
@@ -204,7 +210,7 @@ LineEquations<LineWaves::Whole<Scalar, n>> LineWaves::equations_of(const Group& 
     States& S = equations.S[0];
     corner(S, 0, 0) = A.template cast<Scalar>();
     corner(S, 0, 1).diagonal() = C.template cast<Scalar>() / stiffening;
-    corner(S, 1, 0) = -lambda * M.template cast<Scalar>();
+    corner(S, 1, 0) = in_units(group.falling, un).template cast<Scalar>() - lambda * M.template cast<Scalar>();
     corner(S, 1, 1) = minus_At(A).template cast<Scalar>();
     corner(equations.by_lambda, 1, 0) = -M.template cast<Scalar>();
     if ((axial_[0] != 0 || axial_[1] != 0) && !group.G_by_N.isZero(0)) {
@@ -308,8 +314,9 @@ LineWaves::Waves<double, n> LineWaves::waves(const Expansion::OfGroup& own, doub
 /// the last holds because the mean of v' is zero. With the best e, and x = l²/π², λ ∫(µ v² + J θ²) + |N a| ∫θ² is at most
 /// ∫(EI θ'² + GA γ²) if
 ///     λ µ a² x²/4 + (λ J + |N a| + EI λ µ/GA) x ≤ EI.
-/// The axial force adds −N a ∫θ² to the left, at most |N a| ∫θ². With that in tension too, exponentials do not overflow. A
-/// mass that couples directions counts in each by Σ_j |M_ij| √(M_ii/M_jj).
+/// The axial force adds −N a ∫θ² to the left, at most |N a| ∫θ². With that in tension too, exponentials do not overflow. So
+/// does what is falling, F: in each rotation it counts by Σ_j |F_ij|. A mass that couples directions counts in each by Σ_j
+/// |M_ij| √(M_ii/M_jj).
 double LineWaves::longest_held(const Group& group, double lambda) const {
     double least = std::numeric_limits<double>::infinity();  // of x
     const auto n = as_row(group.directions.size());
@@ -322,8 +329,9 @@ double LineWaves::longest_held(const Group& group, double lambda) const {
     for (Eigen::Index k = 0; k < n; ++k) {
         const int direction = group.directions[as_size(k)];
         if (direction > 3) continue;  // a rotation that bends goes with its deflection
+        const auto falls = [&](Eigen::Index r) { return group.falling.row(r).cwiseAbs().sum(); };
         if (direction == 0 || direction == 3) {
-            least = std::min(least, 1 / (inertia(k) * group.C(k)));
+            least = std::min(least, 1 / ((inertia(k) + falls(k)) * group.C(k)));
             continue;
         }
         const auto rotation = std::ranges::find(group.directions, direction == 1 ? 5 : 4) - group.directions.begin();
@@ -331,7 +339,7 @@ double LineWaves::longest_held(const Group& group, double lambda) const {
         const double a = std::max(std::abs(group.A_at(axial_[0])(k, rotation)),
                                   std::abs(group.A_at(axial_[1])(k, rotation))),
                      bending = 1 / group.C(rotation), mass = inertia(k);
-        const double linear = inertia(rotation) + strongest * a + bending * mass * group.C(k);
+        const double linear = inertia(rotation) + falls(rotation) + strongest * a + bending * mass * group.C(k);
         least = std::min(least, 2 * bending / (linear + std::sqrt(linear * linear + mass * a * a * bending)));
     }
     return M_PI * std::sqrt(least);

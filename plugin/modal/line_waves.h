@@ -36,11 +36,13 @@ public:
     using Axial = std::array<double, 2>;
     /// axial: its force at rest [N], positive in tension. It keeps its direction, and turns with the section
     /// (Reissner's beam): v' = θ + (f − N θ)/GA and m' = −(1 − N/GA) f + (1 − N/GA) N θ in either plane, f across the line.
+    /// falling: what holds, or tips over, its rotations per length, as a weight beside its axis does [N]: m' has + F θ.
     ///
     /// The directions of its ends in which it moves with waves: `active` are those of the local axes that the model leaves.
     /// A bending plane goes by its deflection; without it the rotation passes unchanged (see passed()). Throws
     /// Error(DTTMM_ERROR_MODEL) naming a stiffness of the section that is needed and not given.
-    LineWaves(const Line& line, double length, Directions active, Axial axial = {});
+    LineWaves(const Line& line, double length, Directions active, Axial axial = {},
+              const Matrix3& falling = Matrix3::Zero());
 
     /// Whether equal pieces of it differ, as the axial force does.
     bool is_graded() const { return axial_[0] != axial_[1]; }
@@ -116,6 +118,7 @@ private:
         Few A, M;  ///< A: without axial force
         /// A + N A_by_N, and what N adds to n' by d: N G_by_N + N² G_by_N2.
         Few A_by_N, G_by_N, G_by_N2;
+        Few falling;
         Few A_at(double axial) const { return A + axial * A_by_N; }
         Numbers<Eigen::Dynamic> C, unit_d, unit_n;  ///< diagonal of C; units of d and n for a piece of unit length
         int mirror = -1;  ///< group of the other plane that is the same but for the sense of its rotation
@@ -144,7 +147,7 @@ private:
     double scale(const Group& group, double start, double s, double lambda) const;
     double axial_at(double s) const { return axial_[0] + s / length_ * (axial_[1] - axial_[0]); }
     double longest_held(const Group& group, double lambda) const;
-    void group_directions(const Section& s, Directions moving, const Matrix6& M, const Vector6& C);
+    void group_directions(const Section& s, Directions moving, const Matrix6& M, const Matrix6& falling, const Vector6& C);
     static bool is_mirror(const Group& one, const Group& other);
 
     static constexpr size_t kPowers = 24;  ///< of λ at most; the longest piece feels about ten

@@ -86,7 +86,9 @@ void RestingParts::find_lines() {
 LineForces RestingParts::forces_of(const LineSpec& line) const {
     const FrequencyModel::RestingLine& own = model_.resting[as_size(line.element)];
     LineForces forces(own.points, own.forces, Vector6::Zero());
-    return {own.points, own.forces, own.turning / forces.length(), description_.rest->factor};
+    forces = {own.points, own.forces, own.turning / forces.length(), description_.rest->factor};
+    forces.set_weight(line.line.section.mass * rest_.gravity);
+    return forces;
 }
 
 /// Of the loads along a line that turn with it: force per length at its start and at its end, at the start of time.

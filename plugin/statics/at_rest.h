@@ -34,6 +34,7 @@ struct AtRest {
     std::vector<Held> held;
     /// As dttmm_plugin.h has them: on the inner nodes, at the node, world axes; then line loads.
     std::vector<Vector6> loads;
+    Vector3 gravity = Vector3::Zero();  ///< on the masses of the network [m/s²]
 
     /// All forces so many times.
     void scale_forces(double factor) {
@@ -45,6 +46,7 @@ struct AtRest {
             for (Link& link : links) scale(link);
         for (Held& one : held) scale(one.link);
         for (Vector6& load : loads) load *= factor;
+        gravity *= factor;
     }
 };
 

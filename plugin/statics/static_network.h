@@ -73,6 +73,7 @@ public:
     AtRest::Link link(size_t joint) const;
     /// 6 per inner node, as set.
     const std::vector<double>& loads() const { return acting_.loads; }
+    const Vector3& gravity() const { return acting_.gravity; }
 
 private:
     bool is_inner(int frame) const { return frame >= driven_; }

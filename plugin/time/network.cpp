@@ -129,6 +129,7 @@ void Network::write_rest(AtRest& rest) const {
     if (!statics_) throw Error(DTTMM_ERROR_PHASE, "statics: begin has not been called");
     const Assembly& assembly = mechanism_.assembly;
     const auto of_elements = as_size(assembly.first_joint.back());
+    rest.gravity = statics_->gravity();
     for (size_t j = 0; j < mechanism_.joints.size(); ++j) {
         const Joint& joint = mechanism_.joints[j];
         const AtRest::Link link = statics_->link(j);

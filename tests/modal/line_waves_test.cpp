@@ -402,6 +402,72 @@ TEST(LineWaves, DampingTurnsItsModulus) {
     EXPECT_LT(std::abs(D(0, 0) - b * straight.section.EA * factor / std::tan(b * kLength)), 1e-12 * std::abs(D(0, 0)));
 }
 
+// Oracle: GJ φ'' = (F − λ I) φ in torsion, in closed form; coupled, the same equations by a Taylor series in many short
+// steps.
+TEST(LineWaves, WhatItsWeightDoesToItsRotations) {
+    const auto twisted = [](double falling, double lambda) {
+        Matrix3 F = Matrix3::Zero();
+        F(0, 0) = falling;
+        Matrix12 D;
+        LineWaves(euler(), kLength, kAll, {}, F).evaluate<double>(1, lambda, 1.0, D, nullptr);
+        return std::pair(D(3, 3), D(3, 9));
+    };
+    constexpr double kGJ = 2e5, kInertia = 0.05;
+    for (const auto& [falling, lambda] : {std::pair(3e5, 0.0), {-2e5, 0.0}, {1e5, 5e6}}) {
+        const double k2 = (falling - lambda * kInertia) / kGJ, k = std::sqrt(std::abs(k2)), x = k * kLength;
+        const double own = kGJ * k / (k2 > 0 ? std::tanh(x) : std::tan(x)),
+                     across = -kGJ * k / (k2 > 0 ? std::sinh(x) : std::sin(x));
+        const auto [D33, D39] = twisted(falling, lambda);
+        EXPECT_NEAR(D33, own, 1e-11 * std::abs(own)) << falling;
+        EXPECT_NEAR(D39, across, 1e-11 * std::abs(across)) << falling;
+    }
+
+    Matrix3 F;
+    F << -3e5, 2e4, -5e4, 2e4, 1.7e5, 4e4, -5e4, 4e4, -0.8e5;
+    const Line line = timoshenko();
+    constexpr double kLambda = 2e5;
+    const LineWaves waves(line, kLength, kAll, {}, F);
+    // [d; n]' = S [d; n] of the header
+    Matrix12 S = Matrix12::Zero();
+    const Section& own = line.section;
+    const Vector3 c(0, own.offset_y, own.offset_z);
+    const Matrix3 cross = (Matrix3() << 0, -c.z(), c.y(), c.z(), 0, -c.x(), -c.y(), c.x(), 0).finished();
+    Matrix6 M = Matrix6::Zero(), A = Matrix6::Zero();
+    M.topLeftCorner<3, 3>() = own.mass * Matrix3::Identity();
+    M.topRightCorner<3, 3>() = -own.mass * cross;
+    M.bottomLeftCorner<3, 3>() = own.mass * cross;
+    M.bottomRightCorner<3, 3>() = -own.mass * cross * cross;
+    M(3, 3) = own.inertia;
+    M.diagonal().tail<2>() += Eigen::Vector2d(own.rotary_y, own.rotary_z);
+    A(1, 5) = 1;
+    A(2, 4) = -1;
+    S.topLeftCorner<6, 6>() = A;
+    S.topRightCorner<6, 6>().diagonal() << 1 / own.EA, 1 / own.GAy, 1 / own.GAz, 1 / own.GJ, 1 / own.EIy, 1 / own.EIz;
+    S.bottomLeftCorner<6, 6>() = -kLambda * M;
+    S.bottomLeftCorner<6, 6>().bottomRightCorner<3, 3>() += F;
+    S.bottomRightCorner<6, 6>() = -A.transpose();
+    Matrix12 U = Matrix12::Identity();
+    constexpr int kSteps = 400;
+    for (int i = 0; i < kSteps; ++i) {
+        Matrix12 term = U;
+        for (int k = 1; k < 14; ++k) {
+            term = (kLength / kSteps / k * (S * term)).eval();
+            U += term;
+        }
+    }
+    const Matrix12 found = waves.transfer(kLambda, kLength);
+    for (Eigen::Index i = 0; i < 12; ++i) EXPECT_LT((found - U).row(i).norm(), 1e-9 * U.row(i).norm()) << i;
+    Matrix12 D;
+    waves.evaluate<double>(1, kLambda, 1.0, D, nullptr);
+    EXPECT_LT((D - D.transpose()).norm(), 1e-12 * D.norm());
+    // A piece that is held tips over where √(−F/GJ) l reaches π
+    Matrix3 tips = Matrix3::Zero();
+    for (const auto& [angle, count] : {std::pair(0.99, 1), {1.01, 2}, {2.99, 3}, {3.01, 4}}) {
+        tips(0, 0) = -kGJ * std::pow(angle * std::numbers::pi / kLength, 2);
+        EXPECT_EQ(LineWaves(euler(), kLength, kAll, {}, tips).pieces(0, 1000), count);
+    }
+}
+
 // Oracle: many short uniform lines in a row, each under the force of its middle, which err by second order: extrapolated.
 // The series is as exact over the whole line as over pieces.
 TEST(LineWaves, AnAxialForceThatVariesAlongTheLine) {

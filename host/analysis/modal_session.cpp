@@ -122,7 +122,10 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
                                       load.place));
     }
     warn_nonconservative(model, machine, warnings);
-    if (machine.rest()) warn_unbalanced(*machine.rest(), "", warnings);
+    if (machine.rest()) {
+        note_path_end(*machine.rest(), "", warnings);
+        warn_unbalanced(*machine.rest(), "", warnings);
+    }
     for (const RestLimit& limit : machine.limits_at_rest())
         if (limit.most > 1) warn_limit(limit.channel, limit.element, limit.most, "at rest", warnings);
     // Measured: cantilevers and clamped bars, 0.001 to 0.12 for bends of 0.006 to 1.7 and 5 to 80 segments
@@ -190,6 +193,15 @@ bool is_strained(const Model& model, const ModalMachine& machine) {
 }
 
 }  // namespace
+
+void note_path_end(const RestState& rest, const std::string& place, Warnings& warnings) {
+    if (rest.path_ends_at)
+        warnings.note("load-path-ends",
+                      fmt::format("{}as the loads grow from zero the machine becomes unstable at {:.4g} of them, or before, "
+                                  "and moves on to another equilibrium; this is one under the full loads, and there may be "
+                                  "others",
+                                  place, *rest.path_ends_at));
+}
 
 void warn_unbalanced(const RestState& rest, const std::string& place, Warnings& warnings) {
     constexpr double kShown = 1e-6;

@@ -14,6 +14,9 @@ namespace dttmm::host {
 /// Notes what of the model is not in its natural frequencies: gravity and lasting loads.
 void warn_preload(const Model& model, Warnings& warnings);
 
+/// Notes where the machine leaves the equilibria that a growing load leads through. place: its case, before the text.
+void note_path_end(const RestState& rest, const std::string& place, Warnings& warnings);
+
 /// Warns where the forces of a machine at rest balance worse than results have digits. place: its case, before the text.
 void warn_unbalanced(const RestState& rest, const std::string& place, Warnings& warnings);
 

@@ -672,12 +672,7 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
         warnings.note("moved-far", fmt::format("{}a body has turned by {:.3g} rad: there may be other equilibria; this is "
                                                "the one reached from the assembled machine",
                                                place, found.rest.turn));
-    if (found.rest.path_ends_at)
-        warnings.note(
-            "load-path-ends",
-            fmt::format("{}as the loads grow from zero the machine becomes unstable at {:.3g} of them and moves on to "
-                        "another equilibrium; this is one under the full loads, and there may be others",
-                        place, *found.rest.path_ends_at));
+    note_path_end(found.rest, place, warnings);
     if (!found.rest.open.empty())
         warnings.add("joint-open", fmt::format("{}{} where the machine rests: joints do not quite agree with each other",
                                                place, found.rest.open));

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,6 +27,13 @@ constexpr double kMayBeKink = 0.5, kMostBend = 0.125;
 /// Of what supports and motors ask for in one load step [rad]. Bodies and springs are followed from one load step to the
 /// next: two supports that turn against each other stay within half a turn.
 constexpr double kMostAskedTurn = 1;
+/// Newton's iteration goes to the equilibrium that a growing load leads to where a correction is at most a quarter of the
+/// one before (Kantorovich). A shallow truss snaps through at 0.55.
+constexpr double kSmooth = 0.4;
+/// s by the largest stiffness over mass: what grows more slowly is not told from what nothing holds.
+constexpr double kSlowGrowth = 1e-9;
+/// Of the extent of the machine: corrections that are smaller may be rounding, and jump nowhere.
+constexpr double kJump = 1e-6;
 /// Iterations for one load step. The elastica takes some 20 in one step, a chain of 2000 links that starts as a zigzag 13.
 constexpr int kMostIterations = 1000;
 /// Of the extent of the machine: what has to be moved farther in one iteration is held by nothing.
@@ -89,12 +97,20 @@ Equilibrium::Equilibrium(const Model& model, Networks& networks, Loads& loads)
 // ---- The load in steps --------------------------------------------------------------------------------------------------
 
 const RestState& Equilibrium::find(double t0) {
-    follow(t0);
-    if (went_uphill_) {
-        const std::optional<double> end = end_of_path(t0);
-        begin(t0);
-        raise_load(t0, Uphill::is_passed);
-        state_.path_ends_at = end;
+    search(t0);
+    if (!is_smooth_) {
+        const RestState found = state_;
+        const double bend = bend_;
+        const double share = follow(t0);
+        // The same equilibrium: the search has found it
+        const bool is_same = share == 1 && std::abs(state_.force - found.force) <= kBalance * found.force &&
+                             std::abs(bend_ - bend) <= kBalance * bend;
+        if (is_same) state_.iterations = found.iterations, state_.load_steps = found.load_steps;
+        if (share < 1) {
+            begin(t0);
+            raise_load(t0, Steps::any);
+            if (share > 0) state_.path_ends_at = share;
+        }
     }
     for (const Eigen::Vector3d& turn : turned_) state_.turn = std::max(state_.turn, turn.norm());
     state_.noise = noise_;
@@ -104,22 +120,22 @@ const RestState& Equilibrium::find(double t0) {
 
 /// The whole load. Beside a long line that hangs there are equilibria with kinks between its links, where their law does not
 /// hold. Where one may be found, smaller corrections look for another.
-void Equilibrium::follow(double t0) {
+void Equilibrium::search(double t0) {
     most_bend_ = std::numeric_limits<double>::infinity();
     begin(t0);
-    raise_load(t0, Uphill::is_passed);
+    raise_load(t0, Steps::any);
     if (bend_ <= kMayBeKink) return;
     most_bend_ = kMostBend;
     begin(t0);
     try {
-        raise_load(t0, Uphill::is_passed);
+        raise_load(t0, Steps::any);
         if (bend_ <= kMayBeKink) return;
     } catch (const Error& error) {
         if (error.code() != ExitCode::numerical_failure) throw;
     }
     most_bend_ = std::numeric_limits<double>::infinity();
     begin(t0);
-    raise_load(t0, Uphill::is_passed);
+    raise_load(t0, Steps::any);
 }
 
 /// Back to the assembled machine.
@@ -129,27 +145,27 @@ void Equilibrium::begin(double t0) {
     turned_.assign(start_.size(), Eigen::Vector3d::Zero());
     kept_turned_ = turned_;
     stiffest_ = resistance_ = 0;
-    went_uphill_ = false;
+    is_smooth_ = true;
     loads_.start(t0);
     joints_.start(t0);
     networks_.begin_statics();
 }
 
-/// None: from the assembled machine it leads nowhere, or to the full load.
-std::optional<double> Equilibrium::end_of_path(double t0) {
+/// Follows the load as it grows from zero, in steps without a jump. Returns the share up to which that leads: 0 where there
+/// is no such step from the assembled machine.
+double Equilibrium::follow(double t0) {
     begin(t0);
-    double share = 0;
     try {
-        share = raise_load(t0, Uphill::ends);
+        return raise_load(t0, Steps::smooth);
     } catch (const Error& error) {  // of a spring that turns too far elsewhere
         if (error.code() != ExitCode::numerical_failure) throw;
     }
-    return share > 0 && share < 1 ? std::optional(share) : std::nullopt;
+    return 0;
 }
 
-/// From zero; the share that was reached. Throws where that is not the whole, unless it ends uphill.
-double Equilibrium::raise_load(double t0, Uphill uphill) {
-    uphill_ = uphill;
+/// From zero; the share that was reached. Throws where that is not the whole, unless its steps are to be smooth.
+double Equilibrium::raise_load(double t0, Steps steps) {
+    steps_ = steps;
     const double asked = asked_turn(model_, t0), largest_step = asked > kMostAskedTurn ? kMostAskedTurn / asked : 1;
     double done = 0, step = largest_step;
     RestingJoints::Opening widest;
@@ -169,14 +185,16 @@ double Equilibrium::raise_load(double t0, Uphill uphill) {
             continue;
         }
         if (attempt.open.share > widest.share) widest = attempt.open;
+        is_smooth_ = false;
         step *= 0.5;
         networks_.recall_statics();
         state_.at = kept_;
         turned_ = kept_turned_;
         joints_.recall();
         // Without elements there is nothing that a smaller load would bend less: it rests at the same place
-        if (step >= kLeastStep * largest_step && !networks_.instances().empty()) continue;
-        if (uphill == Uphill::ends) return done;
+        const double least = kLeastStep * (steps == Steps::smooth && done > 0 ? done : largest_step);
+        if (step >= least && !networks_.instances().empty()) continue;
+        if (steps == Steps::smooth) return done;
         const std::string found = done > 0 ? fmt::format(", but one under {:.4g} of them", done) : "";
         if (widest.share > kContradiction)
             throw Error(ExitCode::numerical_failure,
@@ -221,7 +239,8 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
     farthest_ = size_.span;
     shares_anew_ = !joints_.equations().empty();
     Attempt attempt;
-    double last = std::numeric_limits<double>::infinity();
+    constexpr double kAny = std::numeric_limits<double>::infinity();
+    double last = kAny;
     for (int i = 0; i < kMostIterations; ++i) {
         StopRequest::throw_if_made("before the equilibrium was found");
         ++state_.iterations;
@@ -234,8 +253,12 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
             farthest_ = correction.share * correction.size > 0.5 * farthest_ ? 2 * farthest_ : size_.span;
             if (farthest_ > kLostExtents * size_.extent) return attempt;
             if (joints_.reach_stops(state_.at)) {
-                last = std::numeric_limits<double>::infinity();
+                last = kAny;
                 continue;
+            }
+            if (correction.size > kSmooth * last && correction.size > kJump * size_.extent) {
+                is_smooth_ = false;
+                if (steps_ == Steps::smooth) return attempt;
             }
             // Where nothing acts, what the least resistance makes of a correction that is rounding is all there is
             const double nothing = least_resistance_ * heaviest() * kNoCorrection * size_.extent;
@@ -249,6 +272,7 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
             attempt.open = joints_.widest_opening(state_.at, factor, size_.span);
             if (attempt.open.share > kContradiction) return attempt;
             if (joints_.release_stops()) continue;
+            if (steps_ == Steps::smooth && !is_stable(factor)) return attempt;
             attempt.is_converged = true;
             return attempt;
         } catch (const NetworkError&) {
@@ -276,9 +300,8 @@ Equilibrium::Correction Equilibrium::correct(double factor) {
         const double excess =
             std::max({correction.turn / kMostTurn, correction.bend / most_bend_, correction.size / farthest_});
         if (!std::isfinite(excess)) break;
-        if (correction.work < -correction.rounding) {
-            went_uphill_ = true;
-            if (uphill_ == Uphill::ends) break;
+        if (correction.work < -correction.rounding && steps_ == Steps::any) {
+            is_smooth_ = false;
             resistance_ *= kUphill;
         } else if (excess <= 1) {
             return correction;
@@ -291,6 +314,19 @@ Equilibrium::Correction Equilibrium::correct(double factor) {
         }
     }
     throw Error(ExitCode::numerical_failure, "no correction leads downhill");
+}
+
+/// Whether no motion grows where the machine is, but for one that grows as slowly as what counts as not held. Of equations
+/// with joints the stiffness has a negative eigenvalue for each of their rows (Haynsworth's inertia additivity).
+bool Equilibrium::is_stable(double factor) {
+    resistance_ = kSlowGrowth * stiffest_;
+    form(factor);
+    std::ranges::fill(change_, 0.0);
+    if (networks_.correct_static(change_.data()).falling > 0) return false;
+    if (joints_.rows() == 0) return true;
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factors(matrix_);
+    const Eigen::Index of_joints = joints_.rows() - as_row(change_.size());
+    return factors.info() != Eigen::Success || (factors.vectorD().array() < 0).count() <= of_joints;
 }
 
 Equilibrium::Correction Equilibrium::try_resistance(double factor) {

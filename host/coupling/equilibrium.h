@@ -24,8 +24,8 @@ struct RestState {
     double force = 0;           ///< the largest of an element, load or weight [N]
     std::string open;           ///< a joint that is open by more than rounding, and how far; empty: none
     double turn = 0;  ///< the largest rotation of a body on its way from the assembled machine, full turns too [rad]
-    /// The share of the load up to which the machine follows it as it grows from zero, if it then leaves an equilibrium that
-    /// is no longer stable; to 1/1024.
+    /// The share of the load at which the path of equilibria ends that the machine follows as the load grows from zero; to
+    /// 1/1024 of itself. None: the path leads to the whole load, or there is none from the assembled machine.
     std::optional<double> path_ends_at = std::nullopt;
     bool is_loaded = true;  ///< by weight or a load
     double noise = 0;       ///< what of a force may be rounding of places [N]
@@ -78,15 +78,16 @@ private:
         double rounding = 0;  ///< of the work [J]
         double share = 1;     ///< to be taken of it
     };
-    enum class Uphill { is_passed, ends };  ///< places where the stiffness is not positive
-    void follow(double t0);
+    enum class Steps { any, smooth };  ///< smooth: to the equilibrium that the growing load leads to, not to another one
+    void search(double t0);
+    double follow(double t0);
     void begin(double t0);
-    double raise_load(double t0, Uphill uphill);
-    std::optional<double> end_of_path(double t0);
+    double raise_load(double t0, Steps steps);
     std::string describe(const RestingJoints::Opening& open) const;
     double heaviest() const;
     Attempt iterate(double factor);
     Correction correct(double factor);
+    bool is_stable(double factor);
     Correction try_resistance(double factor);
     void solve(double factor);
     void form(double factor);
@@ -122,9 +123,9 @@ private:
     double most_bend_ = 0;  ///< that one correction may turn the ends of a joint, as share of what its law holds up to
     double bend_ = 0;       ///< the largest there is
     double noise_ = 0;
-    Uphill uphill_ = Uphill::is_passed;
-    bool went_uphill_ = false;
-    double strongest_ = 0;  ///< of all forces, those of joints included [N]
+    Steps steps_ = Steps::any;
+    bool is_smooth_ = true;  ///< the way up to here
+    double strongest_ = 0;   ///< of all forces, those of joints included [N]
 };
 
 }  // namespace dttmm::host

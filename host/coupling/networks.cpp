@@ -26,6 +26,7 @@ void add_measure(const NetworkInstance& instance, const dttmm_static_measure& ow
     sum.noise = std::max(sum.noise, own.noise);
     sum.turn = std::max(sum.turn, own.turn);
     sum.bend = std::max(sum.bend, own.bend);
+    sum.falling += own.falling;
     if (own.shift <= sum.shift) return;
     sum.shift = own.shift;
     if (own.element >= 0 && as_size(own.element) < instance.element_count())

@@ -70,6 +70,7 @@ public:
     /// Of all networks; element: its name, or none.
     struct StaticMeasure {
         double work = 0, residual = 0, force = 0, noise = 0, shift = 0, turn = 0, bend = 0;
+        int falling = 0;
         std::string element;
     };
     StaticMeasure correct_static(const double* change);

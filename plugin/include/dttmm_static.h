@@ -30,6 +30,7 @@ typedef struct dttmm_static_measure {
     double bend;     /* the largest turn of the ends of a joint against each other, as share of that up to which its law
                         holds: after correct what the whole correction changes, after move what it is */
     int32_t element; /* of the largest shift; -1: none */
+    int32_t falling; /* after correct: negative eigenvalues of the stiffness inside, bodies held; 0: not known, or none */
 } dttmm_static_measure;
 
 /* Wrenches and motions are 6 per body, matrices 36 numbers per block, as in dttmm_plugin.h. */

@@ -63,6 +63,8 @@ StaticNetwork::StaticNetwork(const Mechanism& mechanism, Loading loading)
       span_(find_span(mechanism)),
       reach_(find_reaches(mechanism, span_)),
       matrix_(count_, links_inside(mechanism), least_lever(mechanism)) {
+    constexpr double kSingular = 1e-13;  // as where eigenvalues are not counted
+    matrix_.count_negatives(kSingular);
     acting_.loads.assign(acting_.loading.value_count(), 0.0);
     begin();
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
@@ -187,6 +189,7 @@ StaticNetwork::Measure StaticNetwork::measure() const {
     measure.force = force_;
     measure.noise = noise_;
     measure.element = -1;
+    if (count_ > 0) measure.falling = matrix_.negatives();
     for (size_t i = 0; i < correction_.u.size(); ++i) {
         const Vector6& r = residual_.wrenches[as_size(driven_) + i];
         const Vector6& u = correction_.u[i];

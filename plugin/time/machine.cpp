@@ -415,6 +415,7 @@ dttmm_static_measure Machine::measure_static(const Find& find) {
         all.noise = std::max(all.noise, own.noise);
         all.turn = std::max(all.turn, own.turn);
         all.bend = std::max(all.bend, own.bend);
+        all.falling += own.falling;
         if (own.element < 0 || own.shift < all.shift) return;
         all.shift = own.shift;
         all.element = static_cast<int32_t>(part.network.places().elements[as_size(own.element)]);

@@ -13,6 +13,7 @@
 #include "model/index.h"
 #include "model/read_modes.h"
 #include "model/read_simulation.h"
+#include "model/wording.h"
 #include "record/results_folder.h"
 #include "record/tell.h"
 
@@ -89,6 +90,8 @@ Model read(const Request& request, const Plugins& plugins, Warnings& warnings) {
     warnings.add(model.warnings);
     note_laws(model, plugins.catalogue(), warnings);
     note_materials(model, plugins.catalogue(), warnings);
+    note_velocities(model, "velocities-not-in-modes",
+                    "gyroscopic moments and centrifugal forces are not in the frequencies and responses", warnings);
     return model;
 }
 
@@ -201,6 +204,21 @@ void note_path_end(const RestState& rest, const std::string& place, Warnings& wa
                                   "and moves on to another equilibrium; this is one under the full loads, and there may be "
                                   "others",
                                   place, *rest.path_ends_at));
+}
+
+void note_velocities(const Model& model, const char* code, const char* what, Warnings& warnings) {
+    std::string first;
+    size_t count = 0;
+    for (const Body& body : model.bodies)
+        if (!body.angular_velocity.isZero(0) && ++count == 1)
+            first =
+                fmt::format("body {} turns at {:.6g} rad/s at the start", quote(body.name), body.angular_velocity.norm());
+    for (const Node& node : model.nodes)
+        if (node.moves && !(node.velocity.isZero(0) && node.angular_velocity.isZero(0)) && ++count == 1)
+            first = fmt::format("node {} moves at the start", quote(node.name));
+    if (count == 0) return;
+    warnings.note(code, fmt::format("{}{}: {}; a run has them", first,
+                                    count > 1 ? fmt::format(", and {} more", count - 1) : "", what));
 }
 
 void warn_unbalanced(const RestState& rest, const std::string& place, Warnings& warnings) {

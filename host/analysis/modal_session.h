@@ -17,6 +17,10 @@ void warn_preload(const Model& model, Warnings& warnings);
 /// Notes where the machine leaves the equilibria that a growing load leads through. place: its case, before the text.
 void note_path_end(const RestState& rest, const std::string& place, Warnings& warnings);
 
+/// Notes bodies and nodes that turn at the start: what their turning does is in no small vibration and in no rest. `code`;
+/// `what` follows their name.
+void note_velocities(const Model& model, const char* code, const char* what, Warnings& warnings);
+
 /// Warns where the forces of a machine at rest balance worse than results have digits. place: its case, before the text.
 void warn_unbalanced(const RestState& rest, const std::string& place, Warnings& warnings);
 

@@ -735,6 +735,9 @@ ExitCode find_equilibrium(const Request& request) {
     Model model = read(request, plugins, time);
     warnings.add(model.warnings);
     note_varying(model, time, warnings);
+    note_velocities(model, "velocities-not-in-static",
+                    "everything is at rest here, and centrifugal forces and gyroscopic moments are not in the equilibrium",
+                    warnings);
     const Results results = find_all(request, model, plugins, time, warnings);
     hold(model, time);  // as the summary has it
     for (const Found& found : results.cases) warn_of(found, results, warnings);

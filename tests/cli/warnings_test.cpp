@@ -79,6 +79,48 @@ TEST(WarningsOf, ModesAndFrfReadAsThoseOfARunAndStandInTheirSummaries) {
     EXPECT_EQ(read_json(folder / "frf/summary.json").at("largest_receptance"), 0);
 }
 
+// A rotor at speed: its first pair of frequencies splits by gyroscopic moments, which only a run has.
+TEST(WarningsOf, WhatTurnsAtTheStartIsNotInModesFrfResponseAndStatic) {
+    const TemporaryFolder folder;
+    const auto told = [&](const std::string& velocity, const std::vector<std::string>& command) {
+        write_text(folder / "model.toml", small_model_with("mass = \"=mass\"\n", "mass = \"=mass\"\n" + velocity + "\n"));
+        std::vector<std::string> words = command;
+        words.insert(words.begin() + 1, {"model.toml", "-q", "-o", "out"});
+        const Ended ended = run_dttmm(folder.path(), words);
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        return ended.err;
+    };
+    const std::string note = "note: body \"plate\" turns at 628.319 rad/s at the start: ",
+                      speed = "angular_velocity = [\"6000 rpm\", 0, 0]";
+    const std::vector<std::string> frf = {"frf",  "--in", "plate.z", "--out",    "plate.z", "--from",
+                                          "1 Hz", "--to", "2 Hz",    "--points", "3"},
+                                   response = {"response", "--in", "plate.z", "--from", "1 Hz", "--to", "2 Hz"};
+    for (const std::vector<std::string>& command : {{"modes"}, {"modes", "--about", "start"}, frf, response}) {
+        EXPECT_THAT(told(speed, command), HasSubstr(note + "gyroscopic moments and centrifugal forces are not in the "
+                                                           "frequencies and responses; a run has them\n"));
+        EXPECT_THAT(codes_in(folder / "out/summary.json"), testing::Contains("velocities-not-in-modes"));
+    }
+    EXPECT_THAT(told(speed, {"static"}),
+                HasSubstr(note + "everything is at rest here, and centrifugal forces and "
+                                 "gyroscopic moments are not in the equilibrium; a run has them\n"));
+    EXPECT_THAT(codes_in(folder / "out/summary.json"), testing::Contains("velocities-not-in-static"));
+    for (const char* other : {"angular_velocity = [0, 0, 0]", "velocity = [0, 0, 1]"}) {
+        EXPECT_THAT(told(other, {"modes"}), Not(HasSubstr("a run has them")));
+        EXPECT_THAT(told(other, {"static"}), Not(HasSubstr("a run has them")));
+    }
+}
+
+TEST(WarningsOf, AMovingNodeIsNamedBehindTheBodies) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml",
+               small_model_with("\"100 N\"", "0") +
+                   "[nodes]\ntip = { position = [3, 0, 1], velocity = [0, 2, 0] }\n[[element]]\nname = "
+                   "\"girder\"\ntype = \"beam\"\nfrom = \"plate\"\nto = \"tip\"\nsection = { circle = "
+                   "\"20 mm\" }\nmaterial = { E = \"210 GPa\", poisson = 0.3, density = 7850 }\n");
+    EXPECT_THAT(run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "out"}).err,
+                HasSubstr("note: node \"tip\" moves at the start: "));
+}
+
 TEST(WarningsOf, ModesWithoutGravityAndLastingLoads) {
     const TemporaryFolder folder;
     const auto codes = [&](const std::string& force, const std::string& simulation) {

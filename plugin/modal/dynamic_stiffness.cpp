@@ -164,11 +164,7 @@ void DynamicStiffness::build() {
             for (size_t i = 0; i < joined(*this, l).rigid.size(); ++i)
                 elimination_->set_rigid(l, as_int(i), joined(*this, l).rigid[i].by_from, joined(*this, l).rigid[i].by_to);
 
-        // With λ < 0 all that moves is held: what is singular then is so at every frequency
-        const double stiff = stiffest();
-        evaluate_waves(stiff > 0 ? -1e-3 * stiff : -1, false);
-        assemble();
-        const auto fault = elimination_->factor();
+        const auto fault = factor_held();
         if (!fault) {
             elimination_->count_negatives(0);
             return;
@@ -177,12 +173,7 @@ void DynamicStiffness::build() {
             refuse(DTTMM_ERROR_MODEL, fault->frame,
                    fmt::format("more than {} rigid directions meet there; give some of them a stiffness",
                                Elimination::kMostRows));
-        if (fault->link < 0)
-            refuse(DTTMM_ERROR_MODEL, fault->frame,
-                   fmt::format("nothing determines its motion in {} (world axes): it has no mass, and no element holds it "
-                               "there; give it a stiffness, a mass or a `fixed` direction, or leave the direction out of "
-                               "dofs",
-                               kDirectionNames[as_size(fault->direction)]));
+        if (fault->link < 0) refuse_loose(fault->frame, fault->direction);
         // Of rigid directions that say the same one is enough, in small motions
         if (!is_redundant(fault->link, fault->rigid))
             refuse(DTTMM_ERROR_NUMERIC, fault->frame,
@@ -190,6 +181,48 @@ void DynamicStiffness::build() {
         std::vector<Rigid>& rows = joined(*this, fault->link).rigid;
         rows.erase(rows.begin() + fault->rigid);
     }
+}
+
+/// With λ < 0 all that moves is held: what is singular then is so at every frequency. Where a line is far softer in one
+/// direction than in another its waves are so short there that rounding, or no number, is left; any smaller −λ holds too.
+std::optional<Elimination::Fault> DynamicStiffness::factor_held() {
+    constexpr double kLess = 1e-3;
+    constexpr int kMostTimes = 4;
+    const auto is_finite = [&] {
+        for (int f = 0; f < frame_count(); ++f)
+            if (!elimination_->diagonal(f).allFinite()) return false;
+        return true;
+    };
+    const double stiff = stiffest();
+    double lambda = stiff > 0 ? -1e-3 * stiff : -1;
+    for (int times = 0;; ++times, lambda *= kLess) {
+        evaluate_waves(lambda, false);
+        assemble();
+        if (!is_finite() && times < kMostTimes) continue;
+        const auto fault = elimination_->factor();
+        if (!fault || fault->link >= 0 || times == kMostTimes) return fault;
+    }
+}
+
+void DynamicStiffness::refuse_loose(int frame, int direction) const {
+    double own_mass = 0;
+    for_each_mass([&](const FrequencyModel::Mass& mass) {
+        if (mass.frame == frame) own_mass += std::abs(mass.block(direction, direction));
+    });
+    const bool ends_beam = std::ranges::any_of(
+        pieces_, [&](const Piece& at) { return !model_.is_bar(line(at)) && (at.from == frame || at.to == frame); });
+    const char* const name = kDirectionNames[as_size(direction)];
+    if (own_mass > 0 || ends_beam)
+        refuse(DTTMM_ERROR_NUMERIC, frame,
+               fmt::format("its motion in {} (world axes) is lost in rounding: what holds it there, and its mass there, are "
+                           "less than 1e-14 of what acts in its other directions; bring the stiffnesses nearer to each "
+                           "other, or make the stiffest directions rigid",
+                           name));
+    refuse(
+        DTTMM_ERROR_MODEL, frame,
+        fmt::format("nothing determines its motion in {} (world axes): it has no mass, and no element holds it there; give "
+                    "it a stiffness, a mass or a `fixed` direction, or leave the direction out of dofs",
+                    name));
 }
 
 /// Whether rigid direction number i of a link says what the others, of all links together, say.
@@ -390,7 +423,8 @@ double DynamicStiffness::stiffest() const {
     double largest = 0;
     for (const Bond& bond : model_.bonds) largest = std::max(largest, bond.stiffness.diagonal().head<3>().maxCoeff());
     for (const LineModel& line : model_.lines) largest = std::max(largest, line.line.section.EA / piece_length(line));
-    if (largest == 0) return model_.stiffest_turning();  // what hangs or stands on joints alone
+    if (largest == 0)  // what hangs or stands on joints, and turns against springs
+        return std::max(model_.stiffest_turning(), model_.stiffest_hinge());
     return model_.total_mass > 0 ? largest / model_.total_mass : 0;
 }
 

@@ -130,7 +130,11 @@ private:
     template <class Self>
     static auto& joined(Self& self, int link);
     Vector3 origin(int frame) const;
+    /// At a frequency that moves nothing.
+    std::optional<Elimination::Fault> factor_held();
     bool is_redundant(int link, int i);
+    /// A motion of a frame that has no pivot.
+    [[noreturn]] void refuse_loose(int frame, int direction) const;
     [[noreturn]] void refuse(dttmm_status status, int frame, const std::string& why) const;
 
     FrequencyModel& model_;

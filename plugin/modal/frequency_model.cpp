@@ -141,6 +141,16 @@ double FrequencyModel::stiffest_turning() const {
     return largest;
 }
 
+double FrequencyModel::stiffest_hinge() const {
+    double largest = 0, inertia = 0;
+    for (const Bond& bond : bonds) largest = std::max(largest, bond.stiffness.diagonal().tail<3>().maxCoeff());
+    for (const Mass& mass : masses) {
+        const double lever = (origin(mass.frame) - origin(masses.front().frame)).squaredNorm();
+        inertia += mass.block.bottomRightCorner<3, 3>().trace() / 2 + mass.block.topLeftCorner<3, 3>().trace() / 3 * lever;
+    }
+    return inertia > 0 ? largest / inertia : 0;
+}
+
 double FrequencyModel::force_at_start(size_t element) const {
     const auto own =
         std::ranges::find_if(bonds, [&](const Bond& bond) { return bond.element == as_int(element) && bond.tension != 0; });

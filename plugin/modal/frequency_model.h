@@ -166,6 +166,8 @@ struct FrequencyModel {
     /// What forces at rest add to the stiffness of a frame against turning, over its inertia about the joints that it hangs
     /// on: the largest of all frames [1/s²]. 0: none.
     double stiffest_turning() const;
+    /// The largest stiffness of elements against turning over the inertia of all masses about one of them [1/s²]; 0: none.
+    double stiffest_hinge() const;
     /// Force of an element at the start whose stiffness is in the model [N], positive in tension; 0: none.
     double force_at_start(size_t element) const;
     /// Displacement at a point by the motion of a frame with that origin, world axes.

@@ -66,6 +66,73 @@ force = {}
     for (const double beside : {-1e-6, 1e-6}) EXPECT_EQ(modes(euler * (1 + beside), "100 Hz").code, 0);
 }
 
+// Oracle: N (1 + N/GA) = pi^2 EI/(4 L^2) (Haringx). The message said that the tip has no mass and nothing holds it.
+TEST(PreloadedModes, AColumnThatIsSoftInShearHasItsCriticalLoad) {
+    for (const double shear : {40.0, 400.0}) {
+        const TemporaryFolder folder;
+        write_text(folder / "m.toml", fmt::format(R"(format = "dttmm/1"
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+t = [0, 0, 1]
+[[element]]
+name = "e"
+type = "beam"
+from = "a"
+to = "t"
+segments = 20
+section = {{ EA = 1e9, EIy = 50, EIz = 50, GJ = 20, GAy = {0}, GAz = {0}, mass = 1, inertia = 1e-4 }}
+[[load]]
+on = "t"
+direction = [0, 0, -1]
+force = 10
+)",
+                                                  shear));
+        const Ended ended = run_dttmm(folder.path(), {"static", "m.toml", "--buckling", "1", "-o", "out", "-q"});
+        ASSERT_EQ(ended.code, 0) << ended.err;
+        const double euler = M_PI * M_PI * 50 / 4, critical = 0.5 * shear * (std::sqrt(1 + 4 * euler / shear) - 1);
+        const std::vector<double> factors = read_json(folder / "out/summary.json").at("critical_load_factors");
+        ASSERT_EQ(factors.size(), 1u);
+        EXPECT_NEAR(10 * factors[0], critical, 1e-5 * critical);
+    }
+}
+
+// What springs against turning alone hold is judged by these springs, not by the rounding of forces at rest: the hub was
+// said to have no mass.
+TEST(PreloadedModes, AFreeHubWithASprungArmRestsAndItsFreeMotionIsNamed) {
+    const AtRest rest = rest_of(R"(format = "dttmm/1"
+[[body]]
+name = "hub"
+mass = 5
+inertia = [1, 1, 1]
+[[body]]
+name = "arm"
+mass = 1
+inertia = [0.01, 0.01, 0.01]
+position = [1, 0, 0]
+[[joint]]
+name = "h"
+type = "hinge"
+between = ["ground", "hub"]
+axis = [0, 0, 1]
+anchor = [0, 0, 0]
+[[joint]]
+name = "flap"
+type = "hinge"
+between = ["hub", "arm"]
+axis = [0, 1, 0]
+anchor = [0.1, 0, 0]
+[[element]]
+name = "s"
+type = "spring_damper"
+from = "hub"
+to = "arm"
+rotational_stiffness = [0, 100, 0]
+)");
+    EXPECT_THAT(rest.told, testing::HasSubstr("note: nothing holds 1 motion (arm: y 50 %)"));
+    EXPECT_EQ(rest.summary.at("free_motions"), 1);
+    EXPECT_EQ(rest.summary.at("growing_motions"), 0);
+}
+
 // Oracle: by hand, shares of k - m g l. At twice the weight's 1 N m the spring has 200 %; where both all but cancel its
 // share says nothing; a pendulum without spring vibrates by its weight alone.
 TEST(PreloadedModes, SharesAreNotPrintedWhereForcesCancelThem) {

@@ -22,7 +22,8 @@ constexpr auto kParameters = with_section<3>(
     {{{"theory", "1", 1, DTTMM_PARAMETER_WORDS_ONLY, 1, 0, 1, kTheories, std::size(kTheories),
        "of bending, without or with shear"},
       segments_parameter("lumps in time, one at the middle of each; neighbours may turn by 0.5 rad against each other, and "
-                         "under a pull N an end may lack 0.02 rad, as segments are longer than sqrt(EI/N)"),
+                         "under a pull N an end may lack 0.02 rad, as segments are longer than sqrt(EI/N); the strain N/EA "
+                         "may be 0.5"),
       optional("up", "1", 3, -kLargest, kLargest, "local z as near to it as can be; world z, x for a vertical beam")}});
 
 void require(double value, const char* key) {

@@ -121,6 +121,45 @@ TEST(WarningsOf, AMovingNodeIsNamedBehindTheBodies) {
                 HasSubstr("note: node \"tip\" moves at the start: "));
 }
 
+/// A clamped beam with a load on its free end.
+std::string bar_with(const std::string& beam, const std::string& load) {
+    return R"(format = "dttmm/1"
+[nodes]
+a = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+t = [1, 0, 0]
+[[element]]
+name = "bar"
+type = "beam"
+from = "a"
+to = "t"
+)" + beam + "\n[[load]]\non = \"t\"\n" +
+           load + "\n";
+}
+
+Ended told_of(const std::string& model, const std::vector<std::string>& command) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", model);
+    std::vector<std::string> words = command;
+    words.insert(words.begin() + 1, {"model.toml", "-q", "-o", "out"});
+    return run_dttmm(folder.path(), words);
+}
+
+const std::string kNoShear = "theory = \"euler-bernoulli\"\n";
+
+// By hand: N/EA = -1.5, of a limit of 0.5 three times as much. -1 leaves no length.
+TEST(WarningsOf, ABeamThatIsPressedThroughItselfIsBeyondItsLimit) {
+    const auto told = [](const std::string& force) {
+        return told_of(
+                   bar_with(kNoShear + "section = { EA = 1000, EIy = 1e4, EIz = 1e4, GJ = 1e4, mass = 1, inertia = 1e-4 }",
+                            "direction = [-1, 0, 0]\nforce = " + force),
+                   {"static"})
+            .err;
+    };
+    EXPECT_THAT(told("1500"), HasSubstr("warning: \"bar.turn_to_limit\" is 3 at rest: beyond 1 the law of element \"bar\""));
+    EXPECT_THAT(told("-501"), HasSubstr("warning: \"bar.turn_to_limit\" is 1 at rest"));
+    for (const char* force : {"499", "-499"}) EXPECT_THAT(told(force), Not(HasSubstr("turn_to_limit")));
+}
+
 TEST(WarningsOf, ModesWithoutGravityAndLastingLoads) {
     const TemporaryFolder folder;
     const auto codes = [&](const std::string& force, const std::string& simulation) {

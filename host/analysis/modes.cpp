@@ -181,10 +181,17 @@ void print_modes(const Model& model, const ModalMachine& machine, const std::vec
 }
 
 /// A negative frequency says nothing certain where a load has no potential.
-void warn_undecided(const ModalMachine& machine, const std::vector<Mode>& modes, Warnings& warnings) {
+void warn_growing(const ModalMachine& machine, const std::vector<Mode>& modes, Warnings& warnings) {
     const auto growing = std::ranges::count_if(modes, [](const Mode& mode) { return mode.numbers.frequency < 0; });
-    if (growing > 0 && !machine.nonconservative().empty())
-        warnings.add("stability-undecided", undecided(counted(as_size(growing), "motion grows", "motions grow")));
+    if (growing == 0) return;
+    const std::string what = counted(as_size(growing), "motion grows", "motions grow");
+    if (!machine.nonconservative().empty())
+        warnings.add("stability-undecided", undecided(what));
+    else if (machine.rest())
+        warnings.note("unstable-equilibrium",
+                      fmt::format("the equilibrium is unstable: {} from it after the smallest disturbance, listed with a "
+                                  "negative frequency; the others are those of vibrations about a place that is left",
+                                  what));
 }
 
 /// Where they are asked for.
@@ -217,7 +224,7 @@ ExitCode find_modes(const Request& request) {
     ModalMachine& machine = session.machine;
     if (request.modes.is_verbose) fmt::print(request.modes.as_json ? stderr : stdout, "{}", machine.layout());
     const std::vector<Mode> modes = session.find_modes();
-    warn_undecided(machine, modes, warnings);
+    warn_growing(machine, modes, warnings);
 
     std::vector<ModeEnergies> energies;
     for (const Mode& mode : modes)

@@ -160,6 +160,19 @@ TEST(WarningsOf, ABeamThatIsPressedThroughItselfIsBeyondItsLimit) {
     for (const char* force : {"499", "-499"}) EXPECT_THAT(told(force), Not(HasSubstr("turn_to_limit")));
 }
 
+// Above Euler's load, pi^2 EI/4 = 2.467 N, a motion grows in each plane.
+TEST(WarningsOf, ModesAboutAnUnstableEquilibrium) {
+    const auto told = [](const std::string& force, const std::string& about) {
+        return told_of(bar_with(kNoShear + "section = { EA = 1e6, EIy = 1, EIz = 1, GJ = 1, mass = 1, inertia = 1e-4 }",
+                                "direction = [-1, 0, 0]\nforce = " + force),
+                       {"modes", "--about", about})
+            .err;
+    };
+    EXPECT_THAT(told("3", "equilibrium"), HasSubstr("note: the equilibrium is unstable: 2 motions grow from it"));
+    EXPECT_THAT(told("2", "equilibrium"), Not(HasSubstr("unstable")));
+    EXPECT_THAT(told("3", "start"), Not(HasSubstr("unstable")));
+}
+
 TEST(WarningsOf, ModesWithoutGravityAndLastingLoads) {
     const TemporaryFolder folder;
     const auto codes = [&](const std::string& force, const std::string& simulation) {

@@ -197,6 +197,21 @@ const NetworkFault kNetworkFaults[] = {
     {"RigidTwice", "[[load]]",
      "[[element]]\nname = \"strut\"\ntype = \"elastic_hinge\"\nfrom = \"bob\"\nto = \"corner\"\n[[load]]", "52:1",
      "is driven from both ends", "give one of them a stiffness", true},
+    {"RodsThatMeet", "[[load]]",
+     "[nodes.p]\nposition = [3, 0, 0]\nfixed = [\"x\", \"y\", \"z\"]\n[nodes.q]\nposition = [4, 0, 0]\nfixed = [\"y\", "
+     "\"z\"]\n[nodes.r]\nposition = [3, 0, 1]\nfixed = [\"y\"]\n"
+     "[[element]]\nname = \"pq\"\ntype = \"rod\"\nfrom = \"p\"\nto = \"q\"\nsection = { EA = 1e6, mass = 1 }\n"
+     "[[element]]\nname = \"pr\"\ntype = \"rod\"\nfrom = \"p\"\nto = \"r\"\nsection = { EA = 1e6, mass = 1 }\n"
+     "[[element]]\nname = \"qr\"\ntype = \"rod\"\nfrom = \"q\"\nto = \"r\"\nsection = { EA = 1e6, mass = 1 }\n[[load]]",
+     "67:1", "its rigid direction rx is driven from both ends", "take an axial_spring (stiffness EA/length)", true},
+    {"HingeBetweenNodesThatAreFixed", "[[load]]",
+     "[nodes.m]\nposition = [3, 0, 1]\nfixed = [\"y\", \"rx\", \"rz\"]\n[nodes.n]\nposition = [3, 0, 1]\nfixed = [\"y\", "
+     "\"rx\", \"rz\"]\n[nodes.o]\nposition = [3, 0, 0]\nfixed = [\"x\", \"y\", \"z\", \"rx\", \"rz\"]\n"
+     "[[element]]\nname = \"b\"\ntype = \"beam\"\nfrom = \"o\"\nto = \"m\"\nsection = { EA = 1e6, EIy = 1, EIz = 1, GJ = 1, "
+     "GAy = 1e5, GAz = 1e5, mass = 1, inertia = 1e-3 }\n"
+     "[[element]]\nname = \"pin\"\ntype = \"elastic_hinge\"\nfrom = \"m\"\nto = \"n\"\nstiffness = { ry = 1 }\n[[load]]",
+     "67:1", "element \"pin\" (plugin built in): it is rigid, and node \"m\" at an end of it is fixed in rz",
+     "leave it out of `fixed`", true},
     // Masses
     {"NoMass", "mass = 0.4", "mass = 0", "49:8", "mass must be > 0 kg", "got 0"},
     {"TooMuchMass", "mass = 0.4", "mass = 1e13", "49:8", "mass must be ≤ 1000000000000 kg", "got 10000000000000"},

@@ -27,7 +27,11 @@ constexpr auto kParameters = with_section<3>(
       optional("up", "1", 3, -kLargest, kLargest, "local z as near to it as can be; world z, x for a vertical beam")}});
 
 void require(double value, const char* key) {
-    if (!is_given(value)) throw Error(DTTMM_ERROR_MODEL, fmt::format("section.{} is needed in time", key));
+    if (is_given(value)) return;
+    const bool is_shear = key[0] == 'G' && key[1] == 'A';
+    throw Error(DTTMM_ERROR_MODEL,
+                fmt::format("section.{} is needed in runs and at rest{}", key,
+                            is_shear ? "; without shear write theory = \"euler-bernoulli\" in its place" : ""));
 }
 
 }  // namespace

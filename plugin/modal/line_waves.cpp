@@ -28,8 +28,11 @@ namespace {
 constexpr std::array kPlanes = {std::pair<size_t, size_t>{1, 5}, std::pair<size_t, size_t>{2, 4}};
 
 void require(double value, const char* key) {
-    if (!is_given(value))
-        throw Error(DTTMM_ERROR_MODEL, fmt::format("section.{} is needed for the directions that move", key));
+    if (is_given(value)) return;
+    const bool is_shear = key[0] == 'G' && key[1] == 'A';
+    throw Error(DTTMM_ERROR_MODEL,
+                fmt::format("section.{} is needed for the directions that move{}", key,
+                            is_shear ? "; without shear write theory = \"euler-bernoulli\" in its place" : ""));
 }
 
 /// Of a unit length: the mass matrix of the section by the motion of its elastic axis.

@@ -160,6 +160,17 @@ TEST(WarningsOf, ABeamThatIsPressedThroughItselfIsBeyondItsLimit) {
     for (const char* force : {"499", "-499"}) EXPECT_THAT(told(force), Not(HasSubstr("turn_to_limit")));
 }
 
+TEST(WarningsOf, ASectionWithoutShearNamesTheTheoryThatNeedsNone) {
+    for (const char* command : {"static", "modes"}) {
+        const Ended ended = told_of(bar_with("section = { EA = 1e6, EIy = 1, EIz = 1, GJ = 1, mass = 1, inertia = 1e-4 }",
+                                             "direction = [0, 0, 1]\nforce = 1"),
+                                    {command});
+        EXPECT_EQ(ended.code, 3);
+        EXPECT_THAT(ended.err, AllOf(HasSubstr("section.GAy is needed"), HasSubstr("write theory = \"euler-bernoulli\""),
+                                     Not(HasSubstr("in time"))));
+    }
+}
+
 // Above Euler's load, pi^2 EI/4 = 2.467 N, a motion grows in each plane.
 TEST(WarningsOf, ModesAboutAnUnstableEquilibrium) {
     const auto told = [](const std::string& force, const std::string& about) {

@@ -377,7 +377,7 @@ TEST(Assembly, WrongValuesAreNamed) {
     expect_refusal(d, DTTMM_ERROR_ARGUMENT, 2, "no values");
     d = good();
     d.element("d", "beam", {0, 3}, test::with(kBeam, {{"section.GJ", {std::nan("")}}}));
-    expect_refusal(d, DTTMM_ERROR_MODEL, 3, "section.GJ is needed in time");
+    expect_refusal(d, DTTMM_ERROR_MODEL, 3, "section.GJ is needed in runs and at rest");
     d = good();
     std::copy_n(d.nodes[0].position, 3, d.nodes[3].position);
     d.element("d", "beam", {0, 3}, kBeam);

@@ -102,6 +102,21 @@ void note_varying(const Model& model, double time, Warnings& warnings) {
                                          ". Option --at takes another instant");
 }
 
+/// A word on what vibrates for good: nothing of it is in an equilibrium.
+void note_vibrations(const Model& model, Warnings& warnings) {
+    std::string first;
+    size_t count = 0;
+    for (const Load& load : model.loads)
+        if ((load.vibration || load.vibration_at_to) && ++count == 1) first = load.place + ": this load vibrates";
+    for (const Node& node : model.nodes)
+        if (std::ranges::any_of(node.vibrations, [](const auto& signal) { return signal.has_value(); }) && ++count == 1)
+            first = node.motion_place + ": this motion vibrates";
+    if (count > 0)
+        warnings.note("vibration-not-in-static",
+                      fmt::format("{}{}: it counts with 0, its mean, at every instant of --at; `dttmm response` has it",
+                                  first, count > 1 ? fmt::format(", and {} more", count - 1) : ""));
+}
+
 /// Makes loads and motions lasting ones, as they are at an instant, and the model one that is at rest.
 void hold(Model& model, double time) {
     const auto held = [&](const Signal& signal) { return Signal(std::make_shared<Held>(signal.value(time))); };
@@ -735,6 +750,7 @@ ExitCode find_equilibrium(const Request& request) {
     Model model = read(request, plugins, time);
     warnings.add(model.warnings);
     note_varying(model, time, warnings);
+    note_vibrations(model, warnings);
     note_velocities(model, "velocities-not-in-static",
                     "everything is at rest here, and centrifugal forces and gyroscopic moments are not in the equilibrium",
                     warnings);

@@ -171,6 +171,15 @@ TEST(WarningsOf, ASectionWithoutShearNamesTheTheoryThatNeedsNone) {
     }
 }
 
+TEST(WarningsOf, AVibratingLoadIsNotInTheEquilibrium) {
+    const std::string beam = kNoShear + "section = { EA = 1e6, EIy = 1, EIz = 1, GJ = 1, mass = 1, inertia = 1e-4 }";
+    EXPECT_THAT(
+        told_of(bar_with(beam, "direction = [0, 0, 1]\nharmonic = { amplitude = 100, frequency = 10 }"), {"static"}).err,
+        HasSubstr("note: model.toml:15:1: this load vibrates: it counts with 0, its mean, at every instant of --at; "
+                  "`dttmm response` has it\n"));
+    EXPECT_THAT(told_of(bar_with(beam, "direction = [0, 0, 1]\nforce = 1"), {"static"}).err, Not(HasSubstr("vibrates")));
+}
+
 // Above Euler's load, pi^2 EI/4 = 2.467 N, a motion grows in each plane.
 TEST(WarningsOf, ModesAboutAnUnstableEquilibrium) {
     const auto told = [](const std::string& force, const std::string& about) {

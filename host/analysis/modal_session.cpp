@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "analysis/law_limits.h"
 #include "analysis/machine_geometry.h"
@@ -133,27 +135,38 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
         if (limit.most > 1) warn_limit(limit.channel, limit.element, limit.most, "at rest", warnings);
     // Measured: cantilevers and clamped bars, 0.001 to 0.12 for bends of 0.006 to 1.7 and 5 to 80 segments
     constexpr double kOfBend = 0.12;
-    std::string first;
-    size_t count = 0;
+    struct Bent {
+        size_t count = 0, worst = 0;
+        double share = 0;
+        void take(size_t element, double own) {
+            if (++count == 1 || own > share) std::tie(worst, share) = std::pair(element, own);
+        }
+    };
+    Bent exact, lumped;
     for (size_t e = 0; e < model.elements.size(); ++e) {
         bool is_lumped = false;
         const double share = machine.bent_at_rest(e, is_lumped);
-        if (!is_lumped) {
-            if (share > 0.05)  // less is 1e-6 of a frequency with the usual ten segments
-                warnings.note("bent-beam",
-                              fmt::format("{}: element \"{}\" is bent at rest by {:.2g} of its radius of gyration, which "
-                                          "is in the frequencies with a relative error of up to {:.1g}/n^2 for n segments",
-                                          model.elements[e].place, model.elements[e].name, share, kOfBend * share * share));
-            continue;
-        }
-        if (++count == 1)
-            first = fmt::format("{}: element \"{}\" is bent at rest by {:.2g} of its radius of gyration",
-                                model.elements[e].place, model.elements[e].name, share);
+        if (is_lumped)
+            lumped.take(e, share);
+        else if (share > 0.05)  // less is 1e-6 of a frequency with the usual ten segments
+            exact.take(e, share);
     }
-    if (count > 0)
+    const auto how = [&](const Bent& bent) {
+        return fmt::format("{}: element \"{}\" is bent at rest by {:.2g} of its radius of gyration",
+                           model.elements[bent.worst].place, model.elements[bent.worst].name, bent.share);
+    };
+    const auto more = [](const Bent& bent) {
+        return bent.count > 1 ? fmt::format(", and {} more less", bent.count - 1) : "";
+    };
+    if (exact.count > 0)
+        warnings.note(
+            "bent-beam",
+            fmt::format("{}{}, which is in the frequencies with a relative error of up to {:.1g}/n^2 for n segments",
+                        how(exact), more(exact), kOfBend * exact.share * exact.share));
+    if (lumped.count > 0)
         warnings.note("bent-beam", fmt::format("{}{}: it counts by its segments, as in a run; n of them leave an error of "
                                                "about 0.4/n^2 of its first frequency, and more of higher ones",
-                                               first, count > 1 ? fmt::format(", and {} more are", count - 1) : ""));
+                                               how(lumped), more(lumped)));
 }
 
 /// Where a rotation that `dofs` keep moves a point of a body, seen from another one, in a direction that they leave out:

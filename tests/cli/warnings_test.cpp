@@ -193,6 +193,25 @@ TEST(WarningsOf, ModesAboutAnUnstableEquilibrium) {
     EXPECT_THAT(told("3", "start"), Not(HasSubstr("unstable")));
 }
 
+// Bent by its load: one note for all beams, of the one that is bent most.
+TEST(WarningsOf, BentBeamsAreNotedOnce) {
+    std::string model =
+        "format = \"dttmm/1\"\n[nodes]\na = { position = [0, 0, 0], fixed = [\"x\", \"y\", \"z\", \"rx\", "
+        "\"ry\", \"rz\"] }\n";
+    for (int i = 1; i <= 3; ++i) model += fmt::format("t{} = [1, {}, 0]\n", i, i);
+    for (int i = 1; i <= 3; ++i)
+        model += fmt::format(
+            "[[element]]\nname = \"e{0}\"\ntype = \"beam\"\nfrom = \"a\"\nto = \"t{0}\"\nsection = "
+            "{{ circle = \"20 mm\" }}\nmaterial = {{ E = \"210 GPa\", poisson = 0.3, density = 7850 }}\n"
+            "[[load]]\non = \"t{0}\"\ndirection = [0, 0, 1]\nforce = {1}\n",
+            i, i == 2 ? 20 : 5);
+    const std::string err = told_of(model, {"modes"}).err;
+    const size_t at = err.find("is bent at rest by");
+    ASSERT_NE(at, std::string::npos) << err;
+    EXPECT_EQ(err.find("is bent at rest by", at + 1), std::string::npos) << err;
+    EXPECT_THAT(err, AllOf(HasSubstr("element \"e2\" is bent at rest by"), HasSubstr("and 2 more less, which is in")));
+}
+
 TEST(WarningsOf, ModesWithoutGravityAndLastingLoads) {
     const TemporaryFolder folder;
     const auto codes = [&](const std::string& force, const std::string& simulation) {

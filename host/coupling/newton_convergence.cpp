@@ -17,13 +17,13 @@ constexpr int kPassesToFall = 4;
 }  // namespace
 
 double Contraction::left(double correction) const {
-    if (correction <= measured_at_) return std::min(share_, 1.0) * correction;
+    if (correction <= measured_at_) return share_ * correction;
     return measured_at_ == 0 ? correction : std::min(share_ * (correction / measured_at_), 1.0) * correction;
 }
 
 void Contraction::measure(double rate, double previous) {
     // A rate of zero would be trusted for ever: doubled it stays zero
-    share_ = rate < 1 ? std::max(rate, std::numeric_limits<double>::epsilon()) / (1 - rate) : 1e3;
+    share_ = rate < 0.5 ? std::max(rate, std::numeric_limits<double>::epsilon()) / (1 - rate) : 1;
     measured_at_ = previous;
 }
 

@@ -81,7 +81,6 @@ StepConvergence::StepConvergence(const Model& model, const Networks& networks, c
 void StepConvergence::begin_step(const std::vector<BodyState>& now, const StepEquations& equations) {
     const bool has_joints = !equations.joint_system().empty();
     for (Group& group : groups_) {
-        group.scale = 0.98 * group.size();
         group.convergence.open(has_joints ? JointSystem::kProximal : 0);
         group.floor = group.distance = group.share = 0;
     }
@@ -116,13 +115,10 @@ void StepConvergence::divide_rounding(double least) {
 
 StepConvergence::Judgement StepConvergence::judge_bodies(const BodyVectors& u, const BodyVectors& correction,
                                                          bool measures) {
-    for (Group& group : groups_) {
-        group.progress = {};
-        group.speed = 0;
-    }
+    for (Group& group : groups_) group.progress = {};
     for (size_t b = 0; b < u.size(); ++b) {
         Group& group = groups_[bodies_[b].group];
-        group.speed = std::max(group.speed, speed(b, u[b]));
+        group.progress.motion = std::max(group.progress.motion, speed(b, u[b]));
         const double change = speed(b, correction[b]);
         if (!std::isfinite(change)) return {false, false, false};
         group.progress.correction = std::max(group.progress.correction, change);
@@ -130,7 +126,6 @@ StepConvergence::Judgement StepConvergence::judge_bodies(const BodyVectors& u, c
     Judgement judgement;
     for (Group& group : groups_) {
         group.progress.previous = measures ? group.convergence.progress().correction : 0;
-        group.progress.motion = group.size();
         group.progress.enough = group.floor;
         group.convergence.take(group.progress);
         judgement.is_done = judgement.is_done && group.convergence.is_done();
@@ -156,7 +151,7 @@ bool StepConvergence::is_felt(const BodyVectors& u, const BodyVectors& before) c
 
 double StepConvergence::tolerance(size_t body, double share) const {
     const Group& group = groups_[bodies_[body].group];
-    return std::max(share * group.size(), 100 * group.convergence.progress().enough);
+    return std::max(share * group.convergence.progress().motion, 100 * group.convergence.progress().enough);
 }
 
 void StepConvergence::add_to(StepReport& report, const BodyVectors& correction) const {

@@ -71,14 +71,11 @@ private:
     };
     /// Connected bodies.
     struct Group {
-        double scale = 0;     ///< of the motion found before, slowly forgetting
-        double speed = 0;     ///< of the last pass: what a pass overshoots is no motion
         double floor = 0;     ///< corrections smaller than this are round-off of the held bodies' positions or of impulses
         double distance = 0;  ///< of the farthest point of a held body from the world's origin [m]
         double share = 0;     ///< of the round-off of positions that appears in velocities: with joints 1
         dttmm_progress progress{};  ///< of the pass at hand
         NewtonConvergence convergence{NewtonConvergence::kBodies};
-        double size() const { return std::max(scale, speed); }
     };
     int most_corrected(size_t group, const BodyVectors& correction) const;
 

@@ -68,7 +68,6 @@ void InnerMotion::open() {
     std::ranges::fill(change, Vector6::Zero());
     std::ranges::fill(q_change, 0.0);
     q = inside_.rigid;
-    scale = inside_.record.scale;
     size = kSmallestSize;
     for (size_t i = 0; i < u.size(); ++i) size = std::max(size, inside_.now(i).origin().cwiseAbs().sum() + inside_.reach[i]);
 }
@@ -117,7 +116,7 @@ void InnerMotion::take_measures() {
         if (inside_.driven == inside_.ports) velocity -= inside_.now(i).axes().transpose() * mean;
         speed = std::max(speed, velocity.squaredNorm() + inside_.turn_weight[i] * u[i].tail<3>().squaredNorm());
     }
-    scale = std::max(scale, std::sqrt(speed));
+    scale = std::sqrt(speed);
     floor = std::max(kRounding * size / inside_.step_size(), kFinest * scale);
 }
 

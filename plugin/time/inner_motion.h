@@ -53,7 +53,7 @@ public:
     std::vector<double> q_change;  ///< correction of them, times h
     std::vector<double> laws;      ///< ψ of the correction, see LawRows
     std::vector<JointForce> near;  ///< forces of Inside::near_joints over the step, before the correction
-    double scale = 0;              ///< as in Inside::Record
+    double scale = 0;              ///< of the motion from which passes start [m/s]
     double correction = 0;         ///< size of the last one [m/s]; 0: there was none
     double rate = 0;               ///< of the last two
     double impulse = 0;            ///< of a joint over the step [N s]

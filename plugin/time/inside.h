@@ -80,7 +80,6 @@ struct InnerMemory {
     std::vector<Vector6> port_u, port_u_before;
     struct Record {
         static constexpr bool kStaysOwn = true;  ///< see centring.h
-        double scale = 0;                        ///< size of the motion, slowly forgetting [m/s]
         double load_work = 0;                    ///< of the loads up to t_{n−1} [J]
         double last_work = 0;                    ///< over the step from there to t_n [J]
         double is_slow = 0;                      ///< 1: some step was slow; laws are found together from then on

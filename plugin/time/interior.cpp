@@ -230,7 +230,6 @@ void Interior::commit(Ports ports) {
     motion_.find_rigid_forces();
     find_end();
     inside_.rigid = inside_.trial_q;
-    inside_.record.scale = 0.98 * motion_.scale;
     for (size_t p = 0; p < inside_.port_u.size(); ++p) inside_.trial[p] = ports[p].copy();
     forces_.take_step(mechanism_, motion_);
     loads_.take_elastic();

@@ -4,13 +4,15 @@
 #include <algorithm>
 #include <limits>
 
+#include "world/iteration.h"
+
 namespace dttmm::host {
 
 namespace {
 
 /// Slower than this, as kTooSlow of what is inside a network, the matrix is to be formed anew, unless the correction is near
-/// rounding already. Corrections of short steps that no longer fell were 1 to 5 times their rounding.
-constexpr double kSlow = 0.1, kNearRounding = 10;
+/// rounding already.
+constexpr double kSlow = 0.1;
 /// After so many passes a correction that has not halved is rounding, if it is small.
 constexpr int kPassesToFall = 4;
 

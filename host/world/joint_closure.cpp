@@ -9,16 +9,10 @@
 
 #include "model/error.h"
 #include "model/index.h"
+#include "world/iteration.h"
 #include "world/rotation_step.h"
 
 namespace dttmm::host {
-
-namespace {
-
-/// A pass that leaves more of the correction before is slow.
-constexpr double kSlow = 0.3;
-
-}  // namespace
 
 JointClosure::JointClosure(const std::vector<Body>& bodies, const std::vector<Joint>& joints)
     : system_(bodies, joints),
@@ -57,8 +51,8 @@ void JointClosure::close(const std::vector<BodyState>& now, double h, const LetG
             scale = std::max({scale, after[b].velocity.norm() + reaches_[b] * after[b].angular_velocity.norm(),
                               (now[b].position.norm() + reaches_[b]) / h});
         // Near rounding no pass gains any more
-        const bool stalls = correction > kSlow * before;
-        if (correction <= kRounding * scale || (stalls && correction <= 10 * kRounding * scale)) break;
+        const bool stalls = correction > kSlowOnJoints * before;
+        if (correction <= kRounding * scale || (stalls && correction <= kNearRounding * kRounding * scale)) break;
         if (stalls) {
             system_.tighten();
             factor(now);

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "model/index.h"
+#include "world/inertia.h"
+#include "world/iteration.h"
 
 namespace dttmm::host {
 
@@ -61,8 +63,8 @@ bool form_loop(const std::vector<Joint>& joints) {
 void SingularPosition::open() { before_ = std::exchange(found_, {}); }
 
 bool SingularPosition::is_suspected(const JointSystem& joints, const BlockMatrix& matrix, const BlockFactor& factor) {
-    constexpr double kHidden = 0.03;  // at a hundredth of it E hides the distance; 0.003 to 0.06 pass the tests
-    constexpr double kFast = 0.3;     // change over the distance; 0.15 to 0.6 pass
+    // There E is the square root of itself over the distance squared: half of its digits hide. 0.003 to 0.06 pass the tests
+    const double hidden = std::sqrt(std::sqrt(JointSystem::kProximal));
     distances_.resize(as_size(matrix.size()));
     bool is_suspected = before_.is_near;
     for (size_t j = 0; j < joints.joints().size(); ++j)
@@ -70,10 +72,10 @@ bool SingularPosition::is_suspected(const JointSystem& joints, const BlockMatrix
             const int i = matrix.joint_index(as_int(j)) + row;
             const double share = factor.pivot(i) / matrix.upper().diagonal()(i);
             double distance = std::sqrt(joints.proximal() * std::max(0.0, share));
-            if (distance < kHidden) distance = 0;
+            if (distance < hidden) distance = 0;
             Distance& known = distances_[as_size(i)];
-            is_suspected =
-                is_suspected || std::abs(distance - known.last) > kFast * distance || (distance == 0 && known.largest > 0);
+            is_suspected = is_suspected || std::abs(distance - known.last) > kSlowOnJoints * distance ||
+                           (distance == 0 && known.largest > 0);
             known = {distance, std::max(distance, known.largest)};
         }
     return is_suspected;
@@ -99,10 +101,8 @@ void SingularPosition::count(double time) {
 SingularPosition::Found SingularPosition::decide(const std::vector<JointEquations>& joints,
                                                  const std::vector<BodyState>& now, const std::vector<BodyState>& half,
                                                  const std::vector<BodyState>& end) {
-    // Half and twice pass the tests where nothing else is said
-    constexpr double kRedundant = 1e-9;  // rows at a smaller distance from the span of others say nothing; 1e-6 fails
-    constexpr double kSlow = 0.3;        // what a pass may leave of an error; 0.15 fails
-    constexpr double kLongest = 0.5;     // a step that turns joints by more [rad] decides about none; 1 fails
+    // Rows at a smaller distance from the span of others say nothing: rounding of a sum of all; 1e-6 fails
+    constexpr double kRedundant = kMostEquations * kRounding;
     Eigen::Index equations = 0;
     for (const JointEquations& joint : joints) equations += joint.lasting();
     if (equations == 0 || equations > kMostEquations) return {};
@@ -111,7 +111,7 @@ SingularPosition::Found SingularPosition::decide(const std::vector<JointEquation
     const Eigen::RowVectorXd lengths = A.colwise().norm();
     const Eigen::MatrixXd turned = B - jacobian(joints, now).transpose();
     const double change = (turned.array().rowwise() / lengths.array()).matrix().colwise().norm().maxCoeff();
-    if (change > kLongest) return {};
+    if (change > kSlowOnJoints) return {};  // a step that turns joints by more [rad] decides about none
     A.array().rowwise() /= lengths.array();
     B.array().rowwise() /= lengths.array();
     // With pivoting, the diagonal of R has the distance of each column from the span of those before
@@ -120,12 +120,12 @@ SingularPosition::Found SingularPosition::decide(const std::vector<JointEquation
         const Eigen::Index count = std::min(qr.matrixQR().rows(), qr.matrixQR().cols());
         return (qr.matrixQR().diagonal().head(count).array().abs() > least).count();
     };
-    const double hidden = std::sqrt(10 * JointSystem::kProximal);  // E leaves a tenth of an error there; twice that fails
-    const Eigen::Index kept = rank(middle, std::max(0.5 * change / std::sqrt(kSlow), hidden));
+    const double hidden = std::sqrt(JointSystem::kProximal / kSlowOnJoints);  // nearer, E makes a pass slow
+    const Eigen::Index kept = rank(middle, std::max(0.5 * change / std::sqrt(kSlowOnJoints), hidden));
     const bool all_decided = kept >= std::max(rank(middle, kRedundant), rank(finish, kRedundant));
     Found found;
     if (kept > 0) found.least = std::abs(middle.matrixQR()(kept - 1, kept - 1));
-    found.is_near = !all_decided || found.least < change / kSlow;
+    found.is_near = !all_decided || found.least < change / kSlowOnJoints;
     if (all_decided) return found;
     found.let_go.assign(joints.size(), 0);
     const auto& order = middle.colsPermutation().indices();

@@ -34,7 +34,7 @@ public:
     /// Counts the step from `time` [s] if it goes without equations.
     void count(double time);
 
-    /// The matrix is to be taken half way. Joints that turn by more than 0.3 rad in the step are near at any place.
+    /// The matrix is to be taken half way. Where joints turn by more than 0.3 rad in the step nothing is near.
     bool is_near() const { return found_.is_near; }
     /// Equations that the step goes without; empty: ODE's joints hold.
     const LetGo& let_go() const { return found_.let_go; }

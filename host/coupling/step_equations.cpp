@@ -21,11 +21,10 @@ Eigen::Matrix<double, 6, 1> turned(const Rotation& Q, const Eigen::Matrix<double
     return to;
 }
 
-/// Whether a stiffness is the same in all directions.
+/// Whether a stiffness is the same in all directions, but for what leaves rounding of an error after two passes.
 bool is_even(const Eigen::Matrix3d& stiffness) {
-    constexpr double kEven = 1e-12;  // rounding of a sum over springs
     const double mean = stiffness.trace() / 3;
-    return (stiffness - mean * Eigen::Matrix3d::Identity()).norm() <= kEven * std::abs(mean);
+    return (stiffness - mean * Eigen::Matrix3d::Identity()).squaredNorm() <= kRounding * mean * mean;
 }
 
 /// s/(1 + s) with s = tr |M⁻¹ h² S|: no eigenvalue is larger.

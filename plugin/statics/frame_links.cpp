@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/index.h"
 #include "core/rotation.h"
+#include "core/rounding.h"
 #include "core/state_vector.h"
 
 namespace dttmm::plugin {
@@ -23,10 +24,9 @@ std::vector<Link> links_of(const Mechanism& mechanism) {
 
 /// Levers shorter than this are rounding of places [m].
 double least_lever(const Mechanism& mechanism) {
-    constexpr double kRounding = 1e-14;  // 45 epsilon: sums and turns of a handful of places
     double size = 1;
     for (const FrameSpec& frame : mechanism.assembly.frames) size = std::max(size, frame.pose.position.norm());
-    return kRounding * size;
+    return kRoundingOfSums * size;
 }
 
 Matrix6 rigid_rows(const Vector3& theta, const Matrix6& columns) {

@@ -6,20 +6,10 @@
 #include <cmath>
 
 #include "core/rotation.h"
+#include "core/rounding.h"
 #include "time/inside_math.h"
 
 namespace dttmm::plugin {
-
-namespace {
-
-/// Of a frame's place, in the corrections: nothing finer can be asked for.
-constexpr double kRounding = 1e-14;
-/// Smallest size of a network [m].
-constexpr double kSmallestSize = 1e-6;
-/// Of the motion: no more digits are asked for.
-constexpr double kFinest = 1e-13;
-
-}  // namespace
 
 InnerMotion::InnerMotion(Inside& inside, const InteriorMatrix& matrix)
     : q(inside.rigid.size(), 0.0),
@@ -68,7 +58,7 @@ void InnerMotion::open() {
     std::ranges::fill(change, Vector6::Zero());
     std::ranges::fill(q_change, 0.0);
     q = inside_.rigid;
-    size = kSmallestSize;
+    size = 0;
     for (size_t i = 0; i < u.size(); ++i) size = std::max(size, inside_.now(i).origin().cwiseAbs().sum() + inside_.reach[i]);
 }
 
@@ -88,7 +78,7 @@ double InnerMotion::take_port_change(Ports ports) {
     return std::sqrt(largest + poison);
 }
 
-bool InnerMotion::is_rounding(double speed) const { return speed <= kRounding * size / inside_.step_size(); }
+bool InnerMotion::is_rounding(double speed) const { return speed <= kRoundingOfSums * size / inside_.step_size(); }
 
 void InnerMotion::go_on(Ports ports) {
     for (size_t p = 0; p < ports_.size(); ++p) ports_[p] = ports[p].copy();
@@ -117,7 +107,7 @@ void InnerMotion::take_measures() {
         speed = std::max(speed, velocity.squaredNorm() + inside_.turn_weight[i] * u[i].tail<3>().squaredNorm());
     }
     scale = std::sqrt(speed);
-    floor = std::max(kRounding * size / inside_.step_size(), kFinest * scale);
+    floor = kRoundingOfSums * std::max(size / inside_.step_size(), scale);
 }
 
 void InnerMotion::find_rigid_forces() {

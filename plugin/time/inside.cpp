@@ -10,6 +10,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/rounding.h"
 #include "statics/frame_links.h"
 
 namespace dttmm::plugin {
@@ -19,7 +20,7 @@ namespace {
 /// Of moments of inertia; 0 about a principal axis that has none, as a rod has none about itself: there a moment says
 /// nothing about the motion.
 Matrix3 inverse_of(const Matrix3& moments) {
-    constexpr double kNone = 1e-12;  // of the largest; a real part has a millionth or more
+    constexpr double kNone = kRoundingOfSums;  // of the largest; a real part has a millionth or more
     const Eigen::SelfAdjointEigenSolver<Matrix3> principal(moments);
     const Vector3& values = principal.eigenvalues();
     if (values(0) > kNone * values(2)) return moments.inverse();
@@ -27,15 +28,13 @@ Matrix3 inverse_of(const Matrix3& moments) {
     return principal.eigenvectors() * inverse.asDiagonal() * principal.eigenvectors().transpose();
 }
 
-/// Radius of gyration below which a mass is a point [m].
-constexpr double kSmallestGyration = 1e-7;
-
-/// Translation and rotation of every inner frame: whether it has no mass, no inertia.
+/// Translation and rotation of every inner frame: whether it has no mass, no inertia but rounding of that which the mass has
+/// at a lever of a metre.
 std::vector<std::array<bool, 2>> massless_halves(const Mechanism& mechanism) {
     std::vector<std::array<bool, 2>> halves;
     for (auto f = as_size(mechanism.assembly.driven_count); f < mechanism.assembly.frames.size(); ++f) {
         const FrameSpec& frame = mechanism.assembly.frames[f];
-        halves.push_back({frame.mass == 0, frame.inertia.trace() <= kSmallestGyration * kSmallestGyration * frame.mass});
+        halves.push_back({frame.mass == 0, frame.inertia.trace() <= kRoundingOfSums * frame.mass});
     }
     return halves;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/index.h"
+#include "core/rounding.h"
 #include "time/inside_math.h"
 
 namespace dttmm::plugin {
@@ -108,7 +109,6 @@ void LawRows::find_lack(const Mechanism& mechanism) {
 /// law, is halved until it does not: a small enough part of it never does.
 bool LawRows::solve(const Mechanism& mechanism) {
     constexpr int kMostPasses = 200;
-    constexpr double kRounding = 1e-12;  // a change that no longer falls is that of the last digits, if it is so small
     z_.setZero();
     find_lack(mechanism);
     for (int pass = 0; pass < kMostPasses; ++pass) {
@@ -121,7 +121,7 @@ bool LawRows::solve(const Mechanism& mechanism) {
         for (z_ += change_;; z_ -= change_) {
             find_lack(mechanism);
             if (lack_.norm() < lacking) break;
-            if (change_.norm() <= kRounding * (start_.norm() + z_.norm() + wanted_.norm())) return true;
+            if (change_.norm() <= kRoundingOfSums * (start_.norm() + z_.norm() + wanted_.norm())) return true;
             change_ *= 0.5;
         }
     }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/rounding.h"
+
 namespace dttmm::plugin {
 
 MasslessSet::MasslessSet(const Mechanism& mechanism, const std::vector<std::array<bool, 2>>& massless)
@@ -64,7 +66,6 @@ void MasslessSet::find_joints(const Mechanism& mechanism, MasslessGroups& groups
 
 /// Rigid directions at the frames of a group, and its common ratio of damping to stiffness or else its damped directions.
 void MasslessSet::find_rows(const Mechanism& mechanism, MasslessGroup& group) const {
-    constexpr double kSameRatio = 1e-9;  // ratios that differ by less are one
     double lowest = INFINITY, highest = 0;
     for (size_t j : group.joints) {
         const Joint& joint = mechanism.joints[j];
@@ -82,7 +83,7 @@ void MasslessSet::find_rows(const Mechanism& mechanism, MasslessGroup& group) co
         }
     }
     // Where something is rigid, directions that turn against each other take part in one balance: ψ is not the load's alone
-    if (group.rigid.empty() && std::isfinite(highest) && highest - lowest <= kSameRatio * highest) {
+    if (group.rigid.empty() && std::isfinite(highest) && highest - lowest <= kRoundingOfSums * highest) {
         group.relaxation = highest;
         group.damped.clear();
     }

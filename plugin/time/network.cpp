@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/rounding.h"
 
 namespace dttmm::plugin {
 
@@ -191,9 +192,8 @@ void Network::iterate(const dttmm_motion* trial, dttmm_progress& progress) {
     if (interior_) {
         interior_->iterate(ports(trial), progress);
     } else {
-        constexpr double kPredicted = 1e-6;  // of the force; 1e-4 to 1e-9 find the same ends in the tests of kinks
         progress.correction = joints_->find_worst_prediction(trial);
-        progress.enough = kPredicted;
+        progress.enough = kRoundingOfSums;  // of the force
         progress.motion = 1;
     }
     // Where a spring is not linear, a rate of convergence of another step says nothing of this one

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "core/index.h"
+#include "core/rounding.h"
 #include "core/six.h"
 
 namespace dttmm::plugin {
@@ -32,12 +34,15 @@ void choose_independent(Matrix rows, double threshold, std::vector<int>& choice,
     }
 }
 
+/// Share of the largest that is next to nothing beside it.
+constexpr double kNextToNothing = 1e-6;
+
 /// Units of a pivot's motions. own: what stood on the diagonal before anything was eliminated; size: what stands there now.
 /// What is left of a motion that nothing holds is small beside that. A direction without anything of its own is measured by
 /// what it got from others, or, if that is next to nothing, by the other directions of its kind; and if these have no more
 /// than rounding (a node that rigid directions alone keep from turning), by those of the other kind on a lever of a metre.
 Vector6 scale_of(Vector6 own, Vector6 size, double least_turning) {
-    constexpr double kNothing = 1e-6, kRounding = 1e-14, kRoundingOfOther = 1e-16;
+    constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
     for (Vector6* entries : {&own, &size}) {
         const double least = least_turning * size.head<3>().maxCoeff();
         for (double& entry : entries->tail<3>())
@@ -48,9 +53,9 @@ Vector6 scale_of(Vector6 own, Vector6 size, double least_turning) {
     for (Eigen::Index i = 0; i < 6; ++i) {
         const Eigen::Index half = 3 * (i / 3);
         const double own_kind = largest(own, half), kind = largest(size, half), other = largest(size, 3 - half);
-        const bool is_rounding = own_kind == 0 && kind <= kRoundingOfOther * other;
-        const bool has_own = own(i) > kRounding * own_kind;
-        const double measure = is_rounding ? other : !has_own && size(i) < kNothing * kind ? kind : size(i);
+        const bool is_rounding = own_kind == 0 && kind <= kEpsilon * other;
+        const bool has_own = own(i) > kRoundingOfSums * own_kind;
+        const double measure = is_rounding ? other : !has_own && size(i) < kNextToNothing * kind ? kind : size(i);
         scale(i) = measure > 0 ? 1 / std::sqrt(measure) : 1;
     }
     return scale;
@@ -141,15 +146,14 @@ Vector6 Elimination::motion_scale(const Pivot& pivot) const {
 /// Beside rows a rotation with next to nothing of its own must drown neither the translation in them, which see both, nor
 /// them in what acts already.
 Vector6 Elimination::scale_with_rows(const Pivot& pivot) const {
-    constexpr double kMost = 1e4;          // ratio of scaled entries in a row; squared it is far from the condition allowed
-    constexpr double kLongestLever = 1e6;  // [m]; a row with a longer one is of rotation alone
+    constexpr double kMost = 1e4;  // ratio of scaled entries in a row; squared it is far from the condition allowed
     Vector6 scale = motion_scale(pivot);
     const Vector6& acting = acting_[as_size(pivot.frame)];
     for (Eigen::Index i = 0; i < 6; ++i)
         if (std::abs(acting(i)) * scale(i) * scale(i) > 1) scale(i) = 1 / std::sqrt(std::abs(acting(i)));
     for (Eigen::Index k = 0; k < open_.by[0].rows(); ++k) {
         const Eigen::Matrix<double, 1, 6> row = open_.by[0].row(k);
-        if (row.head<3>().norm() * kLongestLever <= row.tail<3>().norm()) continue;
+        if (row.head<3>().norm() <= kNextToNothing * row.tail<3>().norm()) continue;  // of rotation alone
         const double translation = row.transpose().cwiseProduct(scale).head<3>().cwiseAbs().maxCoeff();
         for (Eigen::Index i = 3; i < 6; ++i)
             if (std::abs(row(i)) * scale(i) > kMost * translation) scale(i) = kMost * translation / std::abs(row(i));
@@ -203,7 +207,7 @@ void Elimination::fill_in(const Pivot& pivot, int coupling, size_t i, const Matr
 /// Its own block with rows that are independent of each other by this frame's motion; all of them where there is no other
 /// frame. Few to begin with; all that can be told apart if that leaves the frame free.
 bool Elimination::factor_general(const Pivot& pivot, Fault& fault) {
-    constexpr double kPoor = 1e-9;  // of eigenvalues: what a frame that rows hold too little would leave
+    constexpr double kPoor = 1e-8;  // of rows, and of eigenvalues: what a frame that rows hold too little would leave
     const auto derivatives = [&](size_t row, int end) -> const Vector6& { return rows_[row].by[end]; };
     const auto passed_by = [&](const Pivot& before) -> const OpenRows& { return passed_[as_size(before.passed)].open; };
     if (!open_.gather(*order_, pivot, derivatives, passed_by)) {
@@ -229,7 +233,7 @@ bool Elimination::factor_general(const Pivot& pivot, Fault& fault) {
         rows.rightCols(count) = row_scale.asDiagonal() * open_.among * row_scale.asDiagonal();
         choose_independent(rows, 1e-2, choice_, rest_);
         if (!decompose_with_rows(pivot, motions, row_scale, std::max(smallest_ratio_, kPoor), fault)) {
-            choose_independent(rows, 1e-8, choice_, rest_);
+            choose_independent(rows, kPoor, choice_, rest_);
             if (!decompose_with_rows(pivot, motions, row_scale, smallest_ratio_, fault)) return false;
         }
     } else {

@@ -58,7 +58,7 @@ void JointSystem::linearise(const std::vector<BodyState>& now, const std::vector
                             const std::vector<Stop>& stops, const LetGo& let_go) {
     stops_ = stops;
     let_go_ = let_go;
-    proximal_ = std::min(kProximal, 10 * proximal_);
+    proximal_ = std::min(kProximal, proximal_ / kTighter);
     for (size_t j = 0; j < joints_.size(); ++j) {
         jacobians_[j] = joints_[j].jacobian(now);
         matrix_jacobians_[j] = joints_[j].jacobian(by);

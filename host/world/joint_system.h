@@ -55,11 +55,13 @@ public:
     /// E of an equation over its mobility J K⁻¹ Jᵀ: a pass leaves this part of an error, and rounding feigns forces in
     /// redundant joints as its inverse.
     static constexpr double kProximal = 1e-7;
+    /// Share that tighten() leaves of E, twice at most; a step later it is as much larger again.
+    static constexpr double kTighter = 1e-3;
 
     /// E of an equation over its mobility now.
     double proximal() const { return proximal_; }
     /// Makes E smaller from now on, where passes gain too little: very unequal masses in one chain.
-    void tighten() { proximal_ = std::max(1e-3 * proximal_, 1e-13); }
+    void tighten() { proximal_ = std::max(kTighter * proximal_, kTighter * kTighter * kProximal); }
 
     JointSystem(const std::vector<Body>& bodies, const std::vector<Joint>& joints);
 

@@ -34,9 +34,6 @@ void choose_independent(Matrix rows, double threshold, std::vector<int>& choice,
     }
 }
 
-/// Share of the largest that is next to nothing beside it.
-constexpr double kNextToNothing = 1e-6;
-
 /// Units of a pivot's motions. own: what stood on the diagonal before anything was eliminated; size: what stands there now.
 /// What is left of a motion that nothing holds is small beside that. A direction without anything of its own is measured by
 /// what it got from others, or, if that is next to nothing, by the other directions of its kind; and if these have no more

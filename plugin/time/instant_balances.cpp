@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/rotation.h"
+#include "core/rounding.h"
 #include "time/inside_math.h"
 
 namespace dttmm::plugin {
@@ -161,7 +162,7 @@ void InstantBalances::drop_dependent_rows(const Balance& balance) const {
         for ([[maybe_unused]] const int round : {0, 1})
             for (Eigen::Index k = 0; k < kept; ++k) next -= balance.directions.col(k).dot(next) * balance.directions.col(k);
         const double left = next.norm();
-        if (left > kDependent * size) {
+        if (left > kNextToNothing * size) {
             next /= left;
             ++kept;
             continue;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/rounding.h"
 #include "time/inside_math.h"
 
 namespace dttmm::plugin {
@@ -79,7 +80,7 @@ void MasslessFrames::add_to_basis(const Mechanism& mechanism, Part& part, const 
     for ([[maybe_unused]] const int round : {0, 1})
         for (int k = 0; k < part.rank; ++k) next -= part.basis.col(k).dot(next) * part.basis.col(k);
     const double left = next.norm();
-    if (!(left > kDependent * size)) return;
+    if (!(left > kNextToNothing * size)) return;
     next /= left;
     ++part.rank;
 }

@@ -9,9 +9,6 @@
 
 namespace dttmm::plugin {
 
-/// Share of a unit force on massless frames below which it is one of those before.
-inline constexpr double kDependent = 1e-6;
-
 /// A unit force on massless frames: a direction of a joint.
 struct MasslessRow {
     size_t joint;

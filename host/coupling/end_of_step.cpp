@@ -7,6 +7,7 @@
 
 #include "model/error.h"
 #include "model/index.h"
+#include "world/iteration.h"
 
 namespace dttmm::host {
 
@@ -77,7 +78,7 @@ const BodyVectors& EndOfStep::solve(const std::vector<BodyState>& now, Networks&
     return feedback_;
 }
 
-/// Newton's iteration; false if kMostPasses are not enough.
+/// Newton's iteration; false if kMostPassesOfStep are not enough.
 bool EndOfStep::find_end(const std::vector<BodyState>& now, Networks& networks) {
     const bool has_joints = !joints_.empty();
     singular_.open();
@@ -88,7 +89,7 @@ bool EndOfStep::find_end(const std::vector<BodyState>& now, Networks& networks) 
     // A pass finds the multipliers to kProximal only, and that does not show in its own correction: so two with joints.
     int first_trusted = has_joints ? 1 : 0;
     bool has_gone_back = false;
-    for (int pass = 0; pass < kMostPasses; ++pass) {
+    for (int pass = 0; pass < kMostPassesOfStep; ++pass) {
         if (networks.is_implicit() || has_joints) equations_.move(now, equations_.h(), trial_);
         stiffness_wanted_ = stiffness_wanted_ || has_gone_back;
         if (pass == 0 || networks.is_implicit() || stiffness_wanted_) evaluate(now, networks);
@@ -262,12 +263,12 @@ void EndOfStep::refuse_matrix(const std::vector<BodyState>& now) const {
 /// Names a part that has not converged, where the bodies have; else the worst body.
 void EndOfStep::refuse(const Networks& networks) const {
     const int part = convergence_.part_not_done();
-    if (part < 0) fail(kMostPasses);
-    throw Error(
-        ExitCode::numerical_failure,
-        fmt::format("t = {:.9g} s: {}: the motion inside was not found in {} passes (last correction {:.1e} m/s); "
-                    "try a smaller step",
-                    open_.time, networks.whose_part(as_size(part)), kMostPasses, convergence_.correction_inside(part)));
+    if (part < 0) fail(kMostPassesOfStep);
+    throw Error(ExitCode::numerical_failure,
+                fmt::format("t = {:.9g} s: {}: the motion inside was not found in {} passes (last correction {:.1e} m/s); "
+                            "try a smaller step",
+                            open_.time, networks.whose_part(as_size(part)), kMostPassesOfStep,
+                            convergence_.correction_inside(part)));
 }
 
 void EndOfStep::fail(int passes) const {

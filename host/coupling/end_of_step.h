@@ -30,7 +30,6 @@ namespace dttmm::host {
 /// not show in the correction).
 class EndOfStep {
 public:
-    static constexpr int kMostPasses = 50;
     static constexpr double kAgreement = 1e-8;
 
     EndOfStep(const Model& model, const Networks& networks);

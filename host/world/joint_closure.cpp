@@ -42,7 +42,7 @@ void JointClosure::close(const std::vector<BodyState>& now, double h, const LetG
     factor(now);
     double before = std::numeric_limits<double>::infinity();  // the correction of the last pass
     for (int pass = 0;; ++pass) {
-        if (pass == kMostPasses) fail();
+        if (pass == kMostPassesOfStep) fail();
         right_hand_side_.setZero();
         system_.write_speeds(matrix_, after, predicted, right_hand_side_);
         const double correction = correct(after);

@@ -28,7 +28,6 @@ public:
                std::vector<BodyState>& after);
 
 private:
-    static constexpr int kMostPasses = 60;
     double correct(std::vector<BodyState>& after);
     void factor(const std::vector<BodyState>& now);
     [[noreturn]] void fail() const;

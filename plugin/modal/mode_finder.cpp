@@ -424,7 +424,7 @@ Mode ModeFinder::describe(FrameVector shape, double lambda) const {
         throw Error(
             DTTMM_ERROR_NUMERIC,
             fmt::format("a natural frequency at {:.6g} Hz is known to {:.1e} of itself only: rounding of the stiffest "
-                        "parts hides it; join short ones, or make them rigid{}",
+                        "parts hides it; join short ones, take fewer segments of bent beams, or make them rigid{}",
                         hertz(mode.omega), mode.bracket, of_load()));
     mode.shape = std::move(shape);
     return mode;

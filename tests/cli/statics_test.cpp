@@ -1877,6 +1877,56 @@ section = {{ EA = 4e5, EIy = 60, EIz = 600, GJ = 100, mass = 0.9, inertia = 1e-4
     }
 }
 
+/// Oracle: a steep truss with a body on top leaves to one side, where k a²/L² = k (L₀/L − 1) z²/L², before it snaps through.
+TEST(Statics, ASteepTrussLeavesToOneSide) {
+    constexpr double a = 1, h = 3, k = 1e4;
+    const double l0 = std::hypot(a, h);
+    double low = 2, high = h;
+    for (int i = 0; i < 100; ++i) {
+        const double z = 0.5 * (low + high), length = std::hypot(a, z);
+        ((l0 - length) * z * z > a * a * length ? low : high) = z;
+    }
+    const double critical = 2 * k * (l0 / std::hypot(a, low) - 1) * low;
+    for (const double share : {3.3, 4.0}) {
+        const AtRest rest = rest_of(fmt::format(R"(format = "dttmm/1"
+[nodes]
+a = {{ position = [-1, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+b = {{ position = [1, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+[[body]]
+name = "top"
+mass = 1.7
+inertia = [0.1, 0.2, 0.3]
+position = [0, 0, 3]
+[[element]]
+name = "left"
+type = "axial_spring"
+from = "a"
+to = "top"
+stiffness = 1e4
+[[element]]
+name = "right"
+type = "axial_spring"
+from = "b"
+to = "top"
+stiffness = 1e4
+[[element]]
+name = "guide"
+type = "spring_damper"
+from = "ground"
+to = "top"
+stiffness = [0, 1e5, 0]
+rotational_stiffness = [100, 200, 300]
+[[load]]
+on = "top"
+direction = [0, 0, -1]
+force = {}
+)",
+                                                share * critical));
+        ASSERT_TRUE(rest.summary.contains("load_path_ends_at")) << share;
+        EXPECT_NEAR(rest.summary["load_path_ends_at"].get<double>() * share, 1, 2e-3) << share;
+    }
+}
+
 /// A column a little beyond its critical load, so that rounding hides whether its motion grows: it is not listed at rest.
 TEST(ModesAtRest, SlowGrowthIsRefused) {
     constexpr double kL = 1.2, kEI = 16.4, kEA = 1e9;

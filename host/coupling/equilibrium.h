@@ -124,7 +124,7 @@ private:
     double bend_ = 0;       ///< the largest there is
     double noise_ = 0;
     Steps steps_ = Steps::any;
-    bool is_smooth_ = true;  ///< the way up to here
+    bool is_smooth_ = true;  ///< no correction since begin() may have jumped
     double strongest_ = 0;   ///< of all forces, those of joints included [N]
 };
 

@@ -186,8 +186,8 @@ void DynamicStiffness::build() {
 /// With λ < 0 all that moves is held: what is singular then is so at every frequency. Where a line is far softer in one
 /// direction than in another its waves are so short there that rounding, or no number, is left; any smaller −λ holds too.
 std::optional<Elimination::Fault> DynamicStiffness::factor_held() {
-    constexpr double kLess = 1e-3;
-    constexpr int kMostTimes = 4;
+    constexpr double kLess = 1e-3;  // of −λ; which share was not varied
+    constexpr int kMostTimes = 4;   // to 1e-15 of the stiffest
     const auto is_finite = [&] {
         for (int f = 0; f < frame_count(); ++f)
             if (!elimination_->diagonal(f).allFinite()) return false;

@@ -19,21 +19,24 @@ struct StepCoefficients {
     double C = 0;  ///< [1/s] of x' = C x + D
 };
 
-/// How far the two ends of an elastic line draw nearer when it bends and shears: its elongation is
-///     e = d_x + mixed (d_y θ_z − d_z θ_y) − bow (θ_y² + θ_z²) + sway_y d_y² + sway_z d_z²
-/// to second order. All are zero where there is no line.
+/// What an elastic line makes of the motion d of its `to` end, in the axes of its `from` end, and of the rotation θ between
+/// them. Its strains are
+///     s = d − half θ × d + e_x (sway_y d_y² + sway_z d_z² − bow (θ_y² + θ_z²))
+/// to second order: the motion in the axes half way between its ends, and how far a line that bends and shears draws its
+/// ends nearer. All are zero where there is no line.
 template <class Real>
-struct ForeshorteningOf {
-    Real mixed{}, bow{}, sway_y{}, sway_z{};  ///< [1, m, 1/m, 1/m]
-    bool operator==(const ForeshorteningOf&) const = default;
+struct LineStrainsOf {
+    Real half{}, bow{}, sway_y{}, sway_z{};  ///< [1, m, 1/m, 1/m]
+    bool operator==(const LineStrainsOf&) const = default;
 };
-using Foreshortening = ForeshorteningOf<double>;
-/// The second derivatives of the elongation by [d; θ], which are constant.
-inline Matrix6 curvature_of(const Foreshortening& line) {
+using LineStrains = LineStrainsOf<double>;
+/// The second derivative of f·s by [d; θ], which is constant.
+inline Matrix6 curvature_of(const LineStrains& line, const Vector3& f) {
     Matrix6 C = Matrix6::Zero();
     C.diagonal() << 0, 2 * line.sway_y, 2 * line.sway_z, 0, -2 * line.bow, -2 * line.bow;
-    C(1, 5) = C(5, 1) = line.mixed;
-    C(2, 4) = C(4, 2) = -line.mixed;
+    C *= f.x();
+    C.bottomLeftCorner<3, 3>() = line.half * skew(f);
+    C.topRightCorner<3, 3>() = -C.bottomLeftCorner<3, 3>();
     return C;
 }
 
@@ -48,8 +51,8 @@ struct Axial {
 /// d (6×1: m, rad) is the motion of the `to` end relative to the `from` end in the axes of the joint, which go with the
 /// `from` end; its force f (6×1: N, N m) is positive in tension: it pulls the `to` end against d and the `from` end along d.
 /// In the letters of the state vector f = [−q; m]. A direction may have a law of its own in place of the linear spring: its
-/// stiffness is then the law's tangent at rest, by which all that is linear goes. Of an elastic line the deformation in x is
-/// the elongation e, and what pulls along it acts across it and turns it by the gradient of e. A joint along a line has x
+/// stiffness is then the law's tangent at rest, by which all that is linear goes. Of an elastic line the strains s are in
+/// place of d, and f acts by their gradient. A joint along a line has x
 /// only: its deformation is the length of the line, which may turn as it likes, less the natural one.
 struct JointLaw {
     Vector6 stiffness = Vector6::Zero();                         ///< [N/m, N m/rad]
@@ -57,7 +60,7 @@ struct JointLaw {
     double loss_factor = 0;                                      ///< of the stiffness in vibration
     Directions rigid;                                            ///< d = 0 there; stiffness and damping are not looked at
     std::array<std::shared_ptr<const Law>, 6> laws;              ///< of directions that are not linear
-    Foreshortening line;                                         ///< of the elastic line that it stands for
+    LineStrains line;                                            ///< of the elastic line that it stands for
     std::optional<Axial> axial;                                  ///< it acts along a line, which its x goes with
     double most_turn = std::numeric_limits<double>::infinity();  ///< |θ| up to which it holds [rad]
 

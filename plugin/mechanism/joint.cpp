@@ -2,6 +2,7 @@
 #include "mechanism/joint.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include "core/error.h"
 #include "core/index.h"
@@ -86,12 +87,11 @@ Joint::Beyond Joint::beyond(const Scheme& scheme, const Vector6& x, const Vector
 }
 
 JointForce Joint::act(const JointPose& pose, const Vector6& x, const Vector6& f) const {
-    return kind_->springs.act(pose, kind_->springs.drawn(x.head<3>(), x.tail<3>()), x.tail<3>(), f.head<3>(), f.tail<3>(),
-                              Vector3::Zero());
+    return kind_->springs.act(pose, x.head<3>(), x.tail<3>(), f.head<3>(), f.tail<3>(), Vector3::Zero());
 }
 
 void Joint::strain_laws(Ends at, const JointPose& pose, const LawsAt& from, Strained& strained) const {
-    if (is_axial()) strained.d = deformation(pose, at.from, at.to).head<3>();
+    if (is_axial()) strained.d = strained.strains = deformation(pose, at.from, at.to).head<3>();
     const Vector6 x = strained.deformation();
     Vector6 f;
     put_laws(from, x, f);
@@ -101,7 +101,7 @@ void Joint::strain_laws(Ends at, const JointPose& pose, const LawsAt& from, Stra
 /// Laws come to where the joint is at the start on the straight way.
 void Joint::start_laws(Ends at, const JointPose& pose, LawMemory memory, Strained& strained) const {
     const Vector6 x = deformation(pose, at.from, at.to);
-    if (is_axial()) strained.d = x.head<3>();
+    if (is_axial()) strained.d = strained.strains = x.head<3>();
     const size_t size = kind_->law->memory_before(6);
     std::fill_n(memory.before, size, 0.0);
     std::fill_n(memory.now, size, 0.0);
@@ -118,24 +118,32 @@ void Joint::add_laws(const Scheme& scheme, const Strained& end, const JointPose&
     force.add(1, act(at_end, end.deformation(), more.force));
 }
 
-Vector6 Joint::damping(const Vector6& x, const Vector6& rate) const {
-    Vector6 f;
-    f << kind_->springs.halves[0].damping.cwiseProduct(rate.head<3>()),
-        kind_->springs.halves[1].damping.cwiseProduct(rate.tail<3>());
-    if (kind_->springs.is_line) f += f(0) * (stretch(x) - Vector6::UnitX());
-    return f;
-}
-
 Matrix6 Joint::stiffness_tangent(const Vector6& x, const double* memory) const {
     return along(x, spring_tangent({x, memory, 0}, x));
 }
 
-/// Of springs of the stiffness k along the deformations.
-Matrix6 Joint::along(const Vector6& x, const Vector6& k) const {
+/// Of translations: Gᵀ k G, G the columns of the strains.
+Matrix6 Joint::of_translations(const Vector6& x, const Vector3& k) const {
     Matrix6 K = Matrix6::Zero();
-    const Vector6 e = stretch(x);
-    K.diagonal().segment<2>(1) = k.segment<2>(1);
-    K += k(0) * e * e.transpose();
+    if (!is_line()) {
+        K.diagonal().head<3>() = k;
+        return K;
+    }
+    const Matrix36 G = strain_columns(x);
+    K.noalias() = G.transpose() * k.asDiagonal() * G;
+    return K;
+}
+
+/// The change of d that makes a change of the strains with a relative turn.
+Vector3 Joint::motion_of_strains(const Vector6& x, const Vector6& change) const {
+    if (!is_line()) return change.head<3>();
+    const Matrix36 G = strain_columns(x);
+    return G.leftCols<3>().inverse() * (change.head<3>() - G.rightCols<3>() * change.tail<3>());
+}
+
+/// Of springs of the stiffness k along the strains.
+Matrix6 Joint::along(const Vector6& x, const Vector6& k) const {
+    Matrix6 K = of_translations(x, k.head<3>());
     if (!turns()) return K;
     const Matrix3 inverse_J = rotation_vector_rate(x.tail<3>());
     K.bottomRightCorner<3, 3>() += inverse_J.transpose() * k.tail<3>().asDiagonal() * inverse_J;
@@ -143,11 +151,8 @@ Matrix6 Joint::along(const Vector6& x, const Vector6& k) const {
 }
 
 Matrix6 Joint::damping_tangent(const Vector6& x) const {
-    Vector6 c;
-    c << kind_->springs.halves[0].damping, kind_->springs.halves[1].damping;
-    const Vector6 e = stretch(x);
-    Matrix6 C = c(0) * e * e.transpose();
-    C.diagonal().tail<5>() += c.tail<5>();
+    Matrix6 C = of_translations(x, kind_->springs.halves[0].damping);
+    C.diagonal().tail<3>() += kind_->springs.halves[1].damping;
     return C;
 }
 
@@ -159,9 +164,7 @@ Matrix6 Joint::gain(const Scheme& scheme, const Vector6& now, const Vector6& x, 
     Vector6 other;
     other << kind_->solved[0] - weight * kind_->springs.halves[0].stiffness,
         kind_->solved[1] - weight * kind_->springs.halves[1].stiffness;
-    const Vector6 e = stretch(x);
-    gain += other(0) * e * e.transpose();
-    gain.diagonal().segment<2>(1) += other.segment<2>(1);
+    gain += of_translations(x, other.head<3>());
     if (turns()) gain.diagonal().tail<3>() += other.tail<3>();
     return gain;
 }
@@ -180,7 +183,7 @@ void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vect
     state.d = strained.d;
     state.theta = strained.theta;
     const auto increment = [&](int back) -> Vector6 { return h * rate - (back + 0.5) * h * h * acceleration; };
-    state.d_before = state.d - increment(0).head<3>();
+    state.d_before = state.d - motion_of_strains(strained.deformation(), increment(0));
     state.theta_before = turns() ? Vector3(state.theta - increment(0).tail<3>()) : Vector3(Vector3::Zero());
     if (damper) {
         for (int half : {0, 1}) {
@@ -196,23 +199,24 @@ void Joint::start(const Scheme& scheme, FrameView from, FrameView to, const Vect
     const Vector6 known = (1 - gamma) * rate + (scheme.centred().beta - 0.5 * gamma) * h * acceleration;
     state.known = {};
     state.known.add(1 - scheme.elastic_weight(0), state.elastic);
-    state.known.add(1, kind_->springs.act(now, strained.drawn, state.theta,
-                                          kind_->springs.halves[0].damping.cwiseProduct(known.head<3>()), Vector3::Zero(),
-                                          kind_->springs.halves[1].damping.cwiseProduct(known.tail<3>())));
+    state.known.add(
+        1, kind_->springs.act(now, state.d, state.theta, kind_->springs.halves[0].damping.cwiseProduct(known.head<3>()),
+                              Vector3::Zero(), kind_->springs.halves[1].damping.cwiseProduct(known.tail<3>())));
 }
 
 JointForce Joint::damping_half_way(Ends trial, Ends now, double h, const JointState& state,
                                    const DamperState& damper) const {
     const JointPose at = pose(now), end = pose(trial);
     const Vector6 x = deformation(end, trial.from, trial.to);
-    const Vector3 slide = (kind_->springs.halves[0].damping / h).cwiseProduct(x.head<3>() - state.d);
+    const auto strains = [&](const Vector3& d, const Vector3& theta) { return kind_->springs.strains(d, theta); };
+    const Vector3 slide = (kind_->springs.halves[0].damping / h)
+                              .cwiseProduct(strains(x.head<3>(), x.tail<3>()) - strains(state.d, state.theta));
     Vector3 turn = Vector3::Zero();
     if (turns())
         turn = (kind_->springs.halves[1].damping / h)
                    .cwiseProduct(rotation_vector(attitude(trial.from, trial.to) * damper.attitude.transpose()));
     const Vector3 d = 0.5 * (x.head<3>() + state.d), theta = 0.5 * (x.tail<3>() + state.theta);
-    return kind_->springs.act({0.5 * (end.axes + at.axes), at.arm, at.lever}, kind_->springs.drawn(d, theta), theta, slide,
-                              Vector3::Zero(), turn);
+    return kind_->springs.act({0.5 * (end.axes + at.axes), at.arm, at.lever}, d, theta, slide, Vector3::Zero(), turn);
 }
 
 [[gnu::flatten]] void Joint::advance(const Scheme& scheme, Ends next, Ends now, JointState& state, DamperState* damper,

@@ -39,8 +39,8 @@ public:
 
     /// What the law of a direction answers. Throws Error naming the element.
     LawOnPath ask(int direction, const LawPath& path) const;
-    /// Forces along deformations x (gradients by θ in rotations) as [force; moment] in the joint's axes, and as what they do
-    /// to the frames.
+    /// Forces along the strains of a deformation x (gradients by θ in rotations) as [force; moment] in the joint's axes, and
+    /// as what they do to the frames.
     Vector6 spread(const Vector6& x, const Vector6& f) const { return kind_->springs.force(x, f, Vector6::Zero()); }
     JointForce act(const JointPose& pose, const Vector6& x, const Vector6& f) const;
     /// ∂(elastic force)/∂(deformation) of springs of the stiffness k along the deformations, joint axes, rotations in terms
@@ -67,11 +67,14 @@ public:
     double strain_energy(const Vector3& d, const Vector3& theta, const double* memory) const {
         if (kind_->has_laws) [[unlikely]]
             return energy_of_laws((Vector6() << d, theta).finished(), memory);
-        return 0.5 * d.dot(kind_->springs.halves[0].stiffness.cwiseProduct(d)) +
+        const Vector3 s = kind_->springs.strains(d, theta);
+        return 0.5 * s.dot(kind_->springs.halves[0].stiffness.cwiseProduct(s)) +
                0.5 * theta.dot(kind_->springs.halves[1].stiffness.cwiseProduct(theta));
     }
-    /// The dampers' force of a rate [d; relative turn] likewise.
-    Vector6 damping(const Vector6& deformation, const Vector6& rate) const;
+    /// The dampers' force of a rate [strains; relative turn] likewise.
+    Vector6 damping(const Vector6& deformation, const Vector6& rate) const {
+        return kind_->springs.force(deformation, Vector6::Zero(), rate);
+    }
     /// The force law at one instant: f [force; moment] on the `from` end in the joint's axes; of its springs a share.
     [[gnu::always_inline]] Vector6 force(const Vector6& deformation, const Vector6& rate, const double* memory,
                                          double elastic_share = 1) const {
@@ -150,6 +153,8 @@ private:
                                                         DamperState* damper, LawMemory memory, JointForce* force) const;
     [[gnu::noinline, gnu::cold]] double energy_of_laws(const Vector6& x, const double* memory) const;
     Vector6 spring_tangent(const LawsAt& from, const Vector6& x) const;
+    Matrix6 of_translations(const Vector6& x, const Vector3& k) const;
+    Vector3 motion_of_strains(const Vector6& x, const Vector6& change) const;
 
     int32_t reported_ = 0;
     volatile int32_t* at_work_ = nullptr;

@@ -24,7 +24,7 @@ JointKind::JointKind(std::shared_ptr<const JointLaw> of)
     }
     springs.turns = (law->carried() >> 3).any();
     springs.line = law->line;
-    springs.is_line = law->line.mixed != 0;
+    springs.is_line = law->line.half != 0;
 }
 
 void JointKind::set_scheme(const Scheme& scheme) {
@@ -84,7 +84,7 @@ Vector6 JointGeometry::rate(const JointPose& pose, const Twist& from_velocity, c
     rate << R.transpose() * (to_velocity.linear + to_velocity.angular.cross(lever) - from_velocity.linear -
                              from_velocity.angular.cross(arm)),
         R.transpose() * (to_velocity.angular - from_velocity.angular);
-    if (kind_->springs.is_line) rate(0) = stretch(x).dot(rate);
+    if (is_line()) rate.head<3>() = (strain_columns(x) * rate).eval();
     if (is_axial()) rate.tail<5>().setZero();
     return rate;
 }
@@ -109,10 +109,10 @@ Vector6 JointGeometry::acceleration(FrameView from, const Twist& from_velocity, 
         return acceleration;
     }
     acceleration << R.transpose() * a, R.transpose() * alpha;
-    if (kind_->springs.is_line) {  // of second degree: its second rate has twice its value for the rates
+    if (is_line()) {  // what is of second degree has as its second rate twice its value for the rates
         const Vector3 slide = R.transpose() * (p_rate - w.cross(p)), turn = R.transpose() * (w_to - w);
-        acceleration(0) = stretch(deformation(pose(from, to), from, to)).dot(acceleration) +
-                          2 * kind_->springs.drawn(slide, turn).elongation;
+        acceleration.head<3>() = (strain_columns(deformation(pose(from, to), from, to)) * acceleration).eval() +
+                                 2 * (kind_->springs.strains(slide, turn) - slide);
     }
     return acceleration;
 }
@@ -152,15 +152,20 @@ Vector6 JointGeometry::deformation(const JointPose& pose, FrameView from, FrameV
     }
     x << pose.axes.transpose() * pose.arm - seat_.rest, Vector3::Zero();
     if (turns()) x.tail<3>() = rotation_vector(Matrix3(pose.axes.transpose() * seat_.axes_at_to(to)));
-    if (kind_->springs.is_line) x(0) += kind_->springs.drawn(x.head<3>(), x.tail<3>()).elongation;
     return x;
 }
 
-Vector6 JointGeometry::stretch(const Vector6& x) const {
-    Vector6 columns = Vector6::UnitX();
-    if (!kind_->springs.is_line) return columns;
-    const SpringsOf<double>::Drawn e = kind_->springs.drawn(x.head<3>(), x.tail<3>());
-    columns << 1, e.by_y, e.by_z, moment_of_gradient(x.tail<3>(), Vector3(0, e.by_turn_y, e.by_turn_z));
+Matrix36 JointGeometry::strain_columns(const Vector6& x) const {
+    Matrix36 columns;
+    columns << Matrix3::Identity(), Matrix3::Zero();
+    if (!is_line()) return columns;
+    const LineStrains& line = kind_->springs.line;
+    const Vector3 d = x.head<3>(), theta = x.tail<3>();
+    Matrix3 by_theta = line.half * skew(d);
+    by_theta.row(0) -= 2 * line.bow * RowVector3(0, theta.y(), theta.z());
+    columns.leftCols<3>() -= line.half * skew(theta);
+    columns.row(0).head<3>() += 2 * RowVector3(0, line.sway_y * d.y(), line.sway_z * d.z());
+    columns.rightCols<3>() = by_theta * rotation_vector_rate(theta);
     return columns;
 }
 
@@ -223,9 +228,9 @@ EndBlocks JointGeometry::acting_stiffness(const JointPose& pose, FrameView from,
     K.at[1][0].topRightCorner<3, 3>() = -F;
     K.at[1][0].bottomRightCorner<3, 3>() = -lF;
     K.at[1][1].bottomRightCorner<3, 3>() = 0.5 * (lF + lF.transpose());
-    if (!kind_->springs.is_line) return K;
-    // A pull along a line stretches it as it bends and shears
-    const EndBlocks stretched = stiffness(pose, pose.axes.col(0).dot(force) * curvature_of(kind_->springs.line));
+    if (!is_line()) return K;
+    // The strains of a line are of second degree
+    const EndBlocks stretched = stiffness(pose, curvature_of(kind_->springs.line, pose.axes.transpose() * force));
     for (int i : {0, 1})
         for (int j : {0, 1}) K.at[i][j] += stretched.at[i][j];
     return K;

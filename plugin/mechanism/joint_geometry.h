@@ -98,7 +98,7 @@ public:
     }
     /// Its deformation [d; θ] in a pose between its frames.
     Vector6 deformation(const JointPose& pose, FrameView from, FrameView to) const;
-    /// Rates and second rates of the deformation, [d; relative turn], joint axes.
+    /// Rates and second rates, [strains; relative turn], joint axes.
     Vector6 rate(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const;
     /// The same where its pose and deformation are known already.
     Vector6 rate(const JointPose& pose, const Twist& from_velocity, const Twist& to_velocity,
@@ -112,8 +112,8 @@ public:
     Matrix6 by_from(const JointPose& pose) const;
     Matrix6 by_to(const JointPose& pose) const;
 
-    /// Columns of the elongation of a line by d and ε.
-    Vector6 stretch(const Vector6& deformation) const;
+    /// Columns of the strains by d and ε.
+    Matrix36 strain_columns(const Vector6& deformation) const;
     /// From the first point of its line to the second, world axes.
     Vector3 way(FrameView from, FrameView to) const { return seat_.arm(from, to) - arm_of_line(from); }
 

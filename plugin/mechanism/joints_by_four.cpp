@@ -152,7 +152,7 @@ void JointsByFour::take_springs(std::span<const Joint* const> four) {
         taken.line.bow.set(i, one.line.bow);
         taken.line.sway_y.set(i, one.line.sway_y);
         taken.line.sway_z.set(i, one.line.sway_z);
-        taken.line.mixed.set(i, one.line.mixed);
+        taken.line.half.set(i, one.line.half);
     }
 }
 

@@ -41,7 +41,7 @@ template <class Real>
 struct DamperStateOf {
     static constexpr int kNumbers = 29;
     struct Half {
-        Vector3Of<Real> delta[3];  ///< increments of the deformation over the steps that ended at t_n, t_{n−1}, t_{n−2}
+        Vector3Of<Real> delta[3];  ///< increments of strains or turns over the steps that ended at t_n, t_{n−1}, t_{n−2}
     };
     Half halves[2];
     Matrix3Of<Real> attitude;  ///< of the `to` end relative to the `from` end at t_n, joint axes; if it carries a moment
@@ -50,20 +50,13 @@ struct DamperStateOf {
 };
 using DamperState = DamperStateOf<double>;
 
-/// What bending and shear add to the elongation of an elastic line, and the gradient of that.
-template <class Real>
-struct DrawnOf {
-    Real by_y, by_z, by_turn_y, by_turn_z;
-    Real elongation;
-};
-
-/// A joint at an instant: its deformation (of an elastic line its elongation in x) and the elastic force that stems from it.
+/// A joint at an instant: its deformation and the elastic force that stems from it.
 template <class Real>
 struct StrainedOf {
     Vector3Of<Real> d, theta;
+    Vector3Of<Real> strains;   ///< of an elastic line; of others d
     Matrix3Of<Real> attitude;  ///< if it carries a moment
     JointForceOf<Real> elastic;
-    DrawnOf<Real> drawn;  ///< of an elastic line
     Eigen::Matrix<Real, 6, 1> deformation() const { return (Eigen::Matrix<Real, 6, 1>() << d, theta).finished(); }
 };
 
@@ -83,28 +76,30 @@ struct SpringsOf {
     using Strained = StrainedOf<Real>;
     using State = JointStateOf<Real>;
     using Damper = DamperStateOf<Real>;
-    using Drawn = DrawnOf<Real>;
 
     JointHalfOf<Real> halves[2];  ///< translations, rotations
     bool turns = true;            ///< it carries a moment
-    bool is_line = false;         ///< it foreshortens; of four: one does
-    ForeshorteningOf<Real> line;
+    bool is_line = false;         ///< of four: one is
+    LineStrainsOf<Real> line;
 
-    Drawn drawn(const Vector3Of<Real>& d, const Vector3Of<Real>& theta) const;
-    /// Forces along the deformations, as forces in the joint's axes and the gradient by θ.
-    void spread(const Drawn& e, Vector3Of<Real>& force, Vector3Of<Real>& by_theta) const;
-    /// What forces along the deformations, a gradient by θ and a moment (joint axes) do to the frames.
-    Force act(const JointPoseOf<Real>& pose, const Drawn& e, const Vector3Of<Real>& theta, Vector3Of<Real> force,
+    /// Along which it acts: those of an elastic line, of others d.
+    Vector3Of<Real> strains(const Vector3Of<Real>& d, const Vector3Of<Real>& theta) const;
+    /// Forces along the strains, as forces in the joint's axes and the gradient by θ.
+    void spread(const Vector3Of<Real>& d, const Vector3Of<Real>& theta, Vector3Of<Real>& force,
+                Vector3Of<Real>& by_theta) const;
+    /// What forces along the strains, a gradient by θ and a moment (joint axes) do to the frames.
+    Force act(const JointPoseOf<Real>& pose, const Vector3Of<Real>& d, const Vector3Of<Real>& theta, Vector3Of<Real> force,
               Vector3Of<Real> by_theta, Vector3Of<Real> moment) const;
 
-    /// Forces of linear springs along the deformations x, gradients by θ.
+    /// Forces of linear springs along the strains of a deformation x, gradients by θ.
     Eigen::Matrix<Real, 6, 1> along(const Eigen::Matrix<Real, 6, 1>& x) const {
+        const Vector3Of<Real> theta = x.template tail<3>();
         Eigen::Matrix<Real, 6, 1> f;
-        f << halves[0].stiffness.cwiseProduct(x.template head<3>()), halves[1].stiffness.cwiseProduct(x.template tail<3>());
+        f << halves[0].stiffness.cwiseProduct(strains(x.template head<3>(), theta)), halves[1].stiffness.cwiseProduct(theta);
         return f;
     }
     /// The force law at one instant, [force; moment] on the `from` end in the joint's axes: of springs with the forces
-    /// `along` the deformations x (gradients by θ), and of dampers with the rates [d; relative turn].
+    /// `along` the strains of x (gradients by θ), and of dampers with the rates [strains; relative turn].
     Eigen::Matrix<Real, 6, 1> force(const Eigen::Matrix<Real, 6, 1>& x, const Eigen::Matrix<Real, 6, 1>& along,
                                     const Eigen::Matrix<Real, 6, 1>& rate) const;
 
@@ -129,35 +124,35 @@ struct SpringsOf {
 // ---- What every step does for every joint -------------------------------------------------------------------------------
 
 template <class Real>
-[[gnu::always_inline]] inline DrawnOf<Real> SpringsOf<Real>::drawn(const Vector3Of<Real>& d,
-                                                                   const Vector3Of<Real>& theta) const {
-    Drawn e{};
-    if (!is_line) return e;
-    e.by_y = line.mixed * theta.z() + 2 * line.sway_y * d.y();
-    e.by_z = 2 * line.sway_z * d.z() - line.mixed * theta.y();
-    e.by_turn_y = -line.mixed * d.z() - 2 * line.bow * theta.y();
-    e.by_turn_z = line.mixed * d.y() - 2 * line.bow * theta.z();
-    // Of second degree: half its gradient times what it depends on
-    e.elongation = 0.5 * (e.by_y * d.y() + e.by_z * d.z() + e.by_turn_y * theta.y() + e.by_turn_z * theta.z());
-    return e;
+[[gnu::always_inline]] inline Vector3Of<Real> SpringsOf<Real>::strains(const Vector3Of<Real>& d,
+                                                                       const Vector3Of<Real>& theta) const {
+    if (!is_line) return d;
+    Vector3Of<Real> s = d - line.half * cross<Real>(theta, d);
+    s.x() += line.sway_y * d.y() * d.y() + line.sway_z * d.z() * d.z() -
+             line.bow * (theta.y() * theta.y() + theta.z() * theta.z());
+    return s;
 }
 
 template <class Real>
-[[gnu::always_inline]] inline void SpringsOf<Real>::spread(const Drawn& e, Vector3Of<Real>& force,
-                                                           Vector3Of<Real>& by_theta) const {
+[[gnu::always_inline]] inline void SpringsOf<Real>::spread(const Vector3Of<Real>& d, const Vector3Of<Real>& theta,
+                                                           Vector3Of<Real>& force, Vector3Of<Real>& by_theta) const {
     if (!is_line) return;
-    force.y() += force.x() * e.by_y;
-    force.z() += force.x() * e.by_z;
-    by_theta.y() += force.x() * e.by_turn_y;
-    by_theta.z() += force.x() * e.by_turn_z;
+    const Vector3Of<Real> f = force, half_f = line.half * f;
+    const Real twice = 2 * f.x();
+    force += cross<Real>(theta, half_f);
+    by_theta -= cross<Real>(d, half_f);
+    force.y() += twice * line.sway_y * d.y();
+    force.z() += twice * line.sway_z * d.z();
+    by_theta.y() -= twice * line.bow * theta.y();
+    by_theta.z() -= twice * line.bow * theta.z();
 }
 
 template <class Real>
-[[gnu::always_inline]] inline JointForceOf<Real> SpringsOf<Real>::act(const JointPoseOf<Real>& pose, const Drawn& e,
-                                                                      const Vector3Of<Real>& theta, Vector3Of<Real> force,
-                                                                      Vector3Of<Real> by_theta,
+[[gnu::always_inline]] inline JointForceOf<Real> SpringsOf<Real>::act(const JointPoseOf<Real>& pose,
+                                                                      const Vector3Of<Real>& d, const Vector3Of<Real>& theta,
+                                                                      Vector3Of<Real> force, Vector3Of<Real> by_theta,
                                                                       Vector3Of<Real> moment) const {
-    spread(e, force, by_theta);
+    spread(d, theta, force, by_theta);
     // Of a gradient m = J⁻ᵀ(θ) ∂U/∂θ, for δθ = J⁻¹ ε
     if (turns) moment = (pose.axes * (moment + moment_of_gradient<Real>(theta, by_theta))).eval();
     return pose.act(pose.axes * force, moment);
@@ -170,7 +165,7 @@ template <class Real>
     const Vector3Of<Real> theta = x.template tail<3>();
     Vector3Of<Real> force = along.template head<3>() + halves[0].damping.cwiseProduct(rate.template head<3>()),
                     by_theta = along.template tail<3>(), moment = Vector3Of<Real>::Zero();
-    spread(drawn(x.template head<3>(), theta), force, by_theta);
+    spread(x.template head<3>(), theta, force, by_theta);
     if (turns) moment = moment_of_gradient<Real>(theta, by_theta) + halves[1].damping.cwiseProduct(rate.template tail<3>());
     Eigen::Matrix<Real, 6, 1> f;
     f << force, moment;
@@ -189,10 +184,9 @@ template <class Real>
         strained.attitude.noalias() = pose.axes.transpose() * to_axes;
         strained.theta = rotation_vector<Real>(strained.attitude);
     }
-    strained.drawn = drawn(strained.d, strained.theta);
-    if (is_line) strained.d.x() += strained.drawn.elongation;
+    strained.strains = strains(strained.d, strained.theta);
     if (with_elastic)
-        strained.elastic = act(pose, strained.drawn, strained.theta, halves[0].stiffness.cwiseProduct(strained.d),
+        strained.elastic = act(pose, strained.d, strained.theta, halves[0].stiffness.cwiseProduct(strained.strains),
                                halves[1].stiffness.cwiseProduct(strained.theta), Vector3Of<Real>::Zero());
     return strained;
 }
@@ -214,8 +208,9 @@ template <class Real>
     };
     Vector3Of<Real> moment = Vector3Of<Real>::Zero();
     if (turns) moment = along(halves[1], rotation_vector<Real>(end.attitude * damper->attitude.transpose()));
-    force.add(1, act(at_end, end.drawn, end.theta,
-                     weight * halves[0].stiffness.cwiseProduct(end.d) + along(halves[0], end.d - state.d),
+    force.add(1, act(at_end, end.d, end.theta,
+                     weight * halves[0].stiffness.cwiseProduct(end.strains) +
+                         along(halves[0], end.strains - strains(state.d, state.theta)),
                      weight * halves[1].stiffness.cwiseProduct(end.theta), moment));
     return force;
 }
@@ -238,7 +233,7 @@ template <class Real>
     if (turns) moment = along(1);
     const Vector3Of<Real>&d = scheme.is_implicit() ? state.d_before : state.d,
           &theta = scheme.is_implicit() ? state.theta_before : state.theta;
-    state.known.add(1, act(at, drawn(d, theta), theta, along(0), Vector3Of<Real>::Zero(), moment));
+    state.known.add(1, act(at, d, theta, along(0), Vector3Of<Real>::Zero(), moment));
 }
 
 template <class Real>
@@ -246,7 +241,7 @@ template <class Real>
                                                             const JointPoseOf<Real>& next, const auto& pose_now,
                                                             State& state, Damper* damper) const {
     if (damper) {
-        const Vector3Of<Real> slide = end.d - state.d;
+        const Vector3Of<Real> slide = end.strains - strains(state.d, state.theta);
         Vector3Of<Real> turn = Vector3Of<Real>::Zero();
         if (turns) {
             turn = rotation_vector<Real>(end.attitude * damper->attitude.transpose());

@@ -48,9 +48,16 @@ void RestingParts::find_lines() {
             const Frame at_from = make_frame(from),
                         at_to = make_frame(links[k].to.pose(lumps.frames[as_size(spec.to)].pose));
             const JointPose pose = joint.pose(at_from, at_to);
-            // The first joint and the last one lie inside the segments at the ends
+            // The first joint and the last one lie inside the segments at the ends. Its forces act half way between its
+            // ends.
+            Matrix3 axes = pose.axes;
             Vector3 point = from.position + pose.arm;
-            Vector6 forces = both(pose.axes) * (links[k].force + links[k].rigid);
+            if (joint.is_line()) {
+                const Vector6 x = joint.deformation(pose, at_from, at_to);
+                axes = pose.axes * rotation_from_vector<double>(0.5 * x.tail<3>());
+                point -= 0.5 * pose.axes * x.head<3>();
+            }
+            Vector6 forces = both(axes) * (links[k].force + links[k].rigid);
             const auto move_to = [&](const Vector3& end) {
                 forces.tail<3>() += (point - end).cross(Vector3(forces.head<3>()));
                 point = end;
@@ -61,12 +68,9 @@ void RestingParts::find_lines() {
                 own.at_from = both(own.axes.transpose()) * forces;
             } else {
                 if (k + 1 < links.size()) {
-                    const Vector6 local = both(pose.axes.transpose()) * forces;
+                    const Vector6 local = both(axes.transpose()) * forces;
                     const double step = (line.finish - line.start).norm() / static_cast<double>(links.size() - 1);
-                    // Its force acts on the side of the next segment, from which the other is d apart
-                    const Vector3 d = pose.axes.transpose() * pose.arm - joint.seat().rest;
-                    move_to(point +
-                            pose.axes * (beside_joint(local, step, line.line.section, description_.rest->factor) - 0.5 * d));
+                    move_to(point + axes * beside_joint(local, step, line.line.section, description_.rest->factor));
                 } else {
                     move_to(links[k].to.point(line.finish));
                     own.turned = rotation_vector(Matrix3(own.axes.transpose() * joint.seat().axes_at_to(FrameView(at_to))));

@@ -10,7 +10,7 @@
 namespace dttmm::plugin {
 
 RestingForce resting_force(const Joint& joint, const Vector6& x) {
-    RestingForce rest{joint.law().stiffness.cwiseProduct(x), joint.law().stiffness};
+    RestingForce rest{joint.springs().along(x), joint.law().stiffness};
     if (!joint.has_laws()) return rest;
     const std::vector<double> undeformed(joint.law().memory_before(6), 0.0);
     for (int d = 0; d < 6; ++d) {
@@ -35,7 +35,7 @@ Vector6 unloading_tangent(const Joint& joint, const Vector6& x) {
 Vector6 change_of_deformation(const PlacedJoint& placed, const Vector6& of_from, const Vector6& of_to) {
     const Joint& joint = placed.joint;
     Vector6 change = joint.by_from(placed.pose) * of_from + joint.by_to(placed.pose) * of_to;
-    change(0) = joint.stretch(placed.x).dot(change);
+    if (joint.is_line()) change.head<3>() = (joint.strain_columns(placed.x) * change).eval();
     if (joint.turns()) change.tail<3>() = (rotation_vector_rate(placed.x.tail<3>()) * change.tail<3>()).eval();
     return change;
 }
@@ -50,8 +50,8 @@ JointForce carried_force(const PlacedJoint& placed, const Vector6& force, const 
     return all;
 }
 
-/// The pull N of a line has the gradient N C x across and in rotations, C the curvature of the elongation. Of a gradient g
-/// by θ the moment is J⁻ᵀ g.
+/// Forces f along the strains of a line have the gradient f + C x, C the curvature of f·s. Of a gradient g by θ the moment
+/// is J⁻ᵀ g.
 Matrix6 spread_tangent(const PlacedJoint& placed, const Vector6& force, const Vector6& rigid) {
     const Joint& joint = placed.joint;
     Matrix6 tangent = Matrix6::Zero();
@@ -59,7 +59,7 @@ Matrix6 spread_tangent(const PlacedJoint& placed, const Vector6& force, const Ve
     const Vector3 theta = placed.x.tail<3>();
     Vector6 gradient = force + rigid;
     if (joint.is_line()) {
-        tangent = force(0) * curvature_of(joint.springs().line);
+        tangent = curvature_of(joint.springs().line, force.head<3>());
         gradient += tangent * placed.x;
     }
     const Matrix3 inverse_J = rotation_vector_rate(theta);

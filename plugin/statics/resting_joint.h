@@ -5,8 +5,8 @@
 
 namespace dttmm::plugin {
 
-// A joint at rest: its laws have gone the straight way from the undeformed state to a deformation x. Forces along the
-// deformations are gradients by θ in rotations.
+// A joint at rest: its laws have gone straight from the undeformed state to a deformation x. Forces along the strains are
+// gradients by θ in rotations.
 
 /// A joint between its frames: its pose and its deformation there. The joint and the frames must outlive it and stay where
 /// they are.
@@ -19,7 +19,7 @@ struct PlacedJoint {
     Vector6 x;
 };
 
-/// The elastic forces along the deformations there, and their derivatives.
+/// The elastic forces along the strains there, and their derivatives.
 struct RestingForce {
     Vector6 force, tangent;
 };
@@ -28,10 +28,10 @@ RestingForce resting_force(const Joint& joint, const Vector6& x);
 /// The derivatives where the laws have come to rest there: those of small vibrations, with which sliders stick.
 Vector6 unloading_tangent(const Joint& joint, const Vector6& x);
 
-/// How small motions of its frames (shifts and turns, world axes) change its deformation.
+/// How small motions of its frames (shifts and turns, world axes) change its strains and its rotation vector.
 Vector6 change_of_deformation(const PlacedJoint& placed, const Vector6& of_from, const Vector6& of_to);
 
-/// What forces along the deformations do to the frames; `rigid` are those of rigid directions.
+/// What forces along the strains do to the frames; `rigid` are those of rigid directions.
 JointForce carried_force(const PlacedJoint& placed, const Vector6& force, const Vector6& rigid);
 
 /// How such forces change as [force; moment] in the joint's axes while they keep their size, by a small relative motion

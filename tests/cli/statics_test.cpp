@@ -22,6 +22,7 @@
 #include "cli/results_table.h"
 #include "cli/static_run.h"
 #include "model/index.h"
+#include "support/adaptive_ode.h"
 #include "support/random_machine.h"
 
 namespace dttmm::host {
@@ -60,6 +61,7 @@ moment = {}
 /// Mattiasson (1981), Int. J. Numer. Meth. Eng. 17, 145-153: elliptic integrals, P L²/EI = 10: w/L, u/L.
 TEST(Statics, TheElasticaOfACantilever) {
     double before = 0;
+    int iterations = 0;
     for (const int segments : {10, 20, 40}) {
         AtRest rest = rest_of(bar(segments, 10, 0));
         const double error = std::abs(rest.row["tip.position.z"] - 0.81061);
@@ -68,11 +70,13 @@ TEST(Statics, TheElasticaOfACantilever) {
             EXPECT_NEAR(rest.row["tip.position.z"], 0.81061, 1.5e-5);
             EXPECT_NEAR(1 - rest.row["tip.position.x"], 0.55500, 4e-5);
         }
-        EXPECT_LE(rest.summary["iterations"].get<int>(), 20);
+        EXPECT_LE(rest.summary["iterations"].get<int>(), 50);
+        iterations += rest.summary["iterations"].get<int>();
         EXPECT_EQ(rest.summary["load_steps"], 1);
         before = error;
     }
     EXPECT_LT(before, 1e-4);
+    EXPECT_LE(iterations, 3 * 20);
 }
 
 TEST(Statics, AnEndMomentBendsABarIntoACircle) {
@@ -1416,6 +1420,102 @@ TEST(Statics, AColumnThatIsSoftInShear) {
     }
 }
 
+/// A soft strip pulled along and bent across by forces at its tip, turned in space.
+struct StretchedStrip {
+    static constexpr double kEA = 1000, kEIy = 20, kEIz = 30, kGJ = 15, kGAy = 300, kGAz = 350;
+    static constexpr const char* kSection =
+        "{ EA = 1000, EIy = 20, EIz = 30, GJ = 15, GAy = 300, GAz = 350, mass = 0.1, inertia = 1e-4 }";
+    Eigen::Matrix3d axes =
+        (Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(-0.4, Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(1.1, Eigen::Vector3d::UnitX()))
+            .toRotationMatrix();
+    double length = 1;
+    Eigen::Vector3d force;  ///< at its tip, its axes at rest
+
+    Eigen::Vector3d tip(int segments, bool is_swapped) const {
+        const Eigen::Vector3d end = axes * Eigen::Vector3d(length, 0, 0), up = axes.col(2), F = axes * force;
+        const auto row =
+            rest_of(fmt::format(R"(format = "dttmm/1"
+[nodes]
+root = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+tip = [{}, {}, {}]
+[[element]]
+name = "strip"
+type = "beam"
+from = "{}"
+to = "{}"
+segments = {}
+up = [{}, {}, {}]
+section = {}
+[[load]]
+on = "tip"
+direction = [{}, {}, {}]
+force = {}
+)",
+                                end.x(), end.y(), end.z(), is_swapped ? "tip" : "root", is_swapped ? "root" : "tip",
+                                segments, up.x(), up.y(), up.z(), kSection, F.x(), F.y(), F.z(), F.norm()))
+                .row;
+        return {row.at("tip.position.x"), row.at("tip.position.y"), row.at("tip.position.z")};
+    }
+
+    /// Reissner's rod from its tip, where no moment acts, to its root: y = [r; columns of R; moment in its own axes].
+    Eigen::VectorXd at_root(const Eigen::Matrix3d& at_tip) const {
+        const Eigen::Vector3d F = axes * force;
+        const auto slope = [&](double, const Eigen::VectorXd& y) {
+            const Eigen::Matrix3d R = Eigen::Map<const Eigen::Matrix3d>(y.data() + 3);
+            const Eigen::Vector3d f = R.transpose() * F, m = R.transpose() * y.tail<3>(),
+                                  r = R * Eigen::Vector3d(1 + f.x() / kEA, f.y() / kGAy, f.z() / kGAz),
+                                  curvature(m.x() / kGJ, m.y() / kEIy, m.z() / kEIz);
+            Eigen::VectorXd back(15);
+            back << -r, -R.col(1) * curvature.z() + R.col(2) * curvature.y(),
+                R.col(0) * curvature.z() - R.col(2) * curvature.x(), -R.col(0) * curvature.y() + R.col(1) * curvature.x(),
+                r.cross(F);
+            return back;
+        };
+        Eigen::VectorXd y = Eigen::VectorXd::Zero(15);
+        Eigen::Map<Eigen::Matrix3d>(y.data() + 3) = at_tip;
+        return test::integrate(slope, y, length, 1e-11);
+    }
+    /// By shooting: the rotation of the tip is that with which the root does not turn.
+    Eigen::Vector3d exact_tip() const {
+        const auto turn_of_root = [&](const Eigen::Vector3d& turn) {
+            const Eigen::VectorXd y = at_root(Eigen::AngleAxisd(turn.norm(), turn.normalized()) * axes);
+            const Eigen::AngleAxisd off(Eigen::Matrix3d(Eigen::Map<const Eigen::Matrix3d>(y.data() + 3) * axes.transpose()));
+            return std::pair<Eigen::Vector3d, Eigen::Vector3d>(off.angle() * off.axis(), -y.head<3>());
+        };
+        Eigen::Vector3d turn(1e-3, 1e-3, 1e-3), off = turn_of_root(turn).first;
+        for (int i = 0; i < 20 && off.norm() > 1e-10; ++i) {
+            Eigen::Matrix3d by_turn;
+            for (int k = 0; k < 3; ++k)
+                by_turn.col(k) = (turn_of_root(turn + 1e-6 * Eigen::Vector3d::Unit(k)).first - off) / 1e-6;
+            turn -= by_turn.lu().solve(off);
+            off = turn_of_root(turn).first;
+        }
+        EXPECT_LT(off.norm(), 1e-9);
+        return turn_of_root(turn).second;
+    }
+};
+
+/// Oracle: Reissner's rod by shooting. The links of a beam are of second order where it stretches, and from whichever end it
+/// is described. With the axes of their first segment they were of first order: 5e-5 of the length with 32 segments.
+TEST(Statics, AStretchedStripIsTheSameFromBothEnds) {
+    StretchedStrip strip;
+    for (const Eigen::Vector3d& force :
+         {Eigen::Vector3d(50, 20, 15), Eigen::Vector3d(200, -50, 30), Eigen::Vector3d(-10, 10, 20)}) {
+        strip.force = force;
+        const Eigen::Vector3d exact = strip.exact_tip();
+        double before = 1;
+        for (const int segments : {16, 32, 64}) {
+            const Eigen::Vector3d tip = strip.tip(segments, false);
+            const double error = (tip - exact).norm();
+            EXPECT_LT((strip.tip(segments, true) - tip).norm(), 0.2 * error) << force << " " << segments;
+            EXPECT_LT(error, 0.31 * before) << force << " " << segments;
+            before = error;
+        }
+        EXPECT_LT(before, 2e-5) << force;
+    }
+}
+
 /// Oracle: its exact lines, beside its lumps as in a run: one law.
 TEST(ModesAtRest, AColumnThatIsSoftInShearByLinesAndByLumps) {
     for (const double pressure : {0.3, 2.0, -0.5, -4.0}) {
@@ -2050,7 +2150,7 @@ TEST(Statics, UncertainCriticalLoadsAreToldByHowUncertainTheyAre) {
 // A girder that buckles sideways under a load so small that its own rounding is a force beside it. Oracle: the critical load
 // of 32100.8 N, β'' + P² (L − x)²/(EI GJ) β = 0 integrated; the factor is off by no more than is told.
 TEST(Statics, ForcesThatRoundingHidesAreTold) {
-    for (const double load : {1e-3, 1e-2, 300.0}) {
+    for (const double load : {1e-3, 1e-2, 1000.0}) {
         const AtRest rest = rest_of(fmt::format(R"(format = "dttmm/1"
 [nodes]
 root = {{ position = [1, 2, 3], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}

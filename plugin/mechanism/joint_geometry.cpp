@@ -25,6 +25,9 @@ JointKind::JointKind(std::shared_ptr<const JointLaw> of)
     springs.turns = (law->carried() >> 3).any();
     springs.line = law->line;
     springs.is_line = law->line.half != 0;
+    if (const Directions rotations = law->rigid >> 3; rotations.count() == 2)
+        for (int axis = 0; axis < 3; ++axis)
+            if (!rotations[as_size(axis)]) hinge_axis = axis;
 }
 
 void JointKind::set_scheme(const Scheme& scheme) {
@@ -152,6 +155,14 @@ Vector6 JointGeometry::deformation(const JointPose& pose, FrameView from, FrameV
     }
     x << pose.axes.transpose() * pose.arm - seat_.rest, Vector3::Zero();
     if (turns()) x.tail<3>() = rotation_vector(Matrix3(pose.axes.transpose() * seat_.axes_at_to(to)));
+    return x;
+}
+
+Vector6 JointGeometry::opening(const JointPose& pose, FrameView from, FrameView to) const {
+    Vector6 x = deformation(pose, from, to);
+    if (!is_hinge()) return x;
+    const Vector3 axis = Vector3::Unit(kind_->hinge_axis);
+    x.tail<3>() = axis.cross(attitude(from, to) * axis);
     return x;
 }
 

@@ -19,12 +19,12 @@ struct Ends {
 /// What unit forces in the rigid directions of a joint do over a step.
 struct RigidMap {
     Matrix3 force = Matrix3::Zero(), arm = Matrix3::Zero(), lever = Matrix3::Zero(), moment = Matrix3::Zero();
-    /// Adds an instant: the joint and its rotation θ then.
-    void add(double weight, const JointPose& pose, const Vector3& theta) {
+    /// Adds an instant: the joint, and what a turn opens of its rotations then.
+    void add(double weight, const JointPose& pose, const Matrix3& opening_of_turn) {
         force += weight * pose.axes;
         arm += weight * (skew(pose.arm) * pose.axes);
         lever += weight * (skew(pose.lever) * pose.axes);
-        moment += weight * (pose.axes * rotation_vector_rate(theta).transpose());
+        moment += weight * (pose.axes * opening_of_turn.transpose());
     }
     JointForce of(const Vector6& q) const {
         const Vector3 slide = q.head<3>(), turn = moment * q.tail<3>();
@@ -51,6 +51,7 @@ struct JointKind {
     std::shared_ptr<const JointLaw> law;
     SpringsOf<double> springs;
     bool is_damped, is_axial, has_laws;
+    int hinge_axis = -1;   ///< about which alone it turns, its other two rotations being rigid; -1: none
     double step_size = 0;  ///< `solved` is for [s]
     Vector3 solved[2];     ///< k̂ = ∂f/∂d of the solved transfer equations, translations, rotations [N/m, N m/rad]
     std::shared_ptr<const JointAxesOf<double>> last_axes;  ///< of the joint made last: the next has the same, mostly
@@ -107,6 +108,15 @@ public:
                          const Twist& to_velocity, const Twist& to_acceleration) const;
     /// Angular velocity of its axes, in these.
     Vector3 turning(FrameView from, const Twist& from_velocity, FrameView to, const Twist& to_velocity) const;
+
+    /// What is open of its rigid directions in a pose between its frames: d, and how far the axis of a hinge tilts; of
+    /// others the rotation vector, whose derivative across an axis vanishes after half a turn about it.
+    Vector6 opening(const JointPose& pose, FrameView from, FrameView to) const;
+    /// Columns of the rotations in it by the relative turn; its transpose makes moments of forces in rigid rotations.
+    Matrix3 opening_of_turn(const Vector3& theta) const {
+        return kind_->hinge_axis < 0 ? rotation_vector_rate(theta) : Matrix3(Matrix3::Identity());
+    }
+    bool is_hinge() const { return kind_->hinge_axis >= 0; }
 
     /// Columns of [d; θ], joint axes, by the pose of the `from` or the `to` frame, world axes; for small relative rotations.
     Matrix6 by_from(const JointPose& pose) const;

@@ -180,7 +180,8 @@ void RestingParts::add_joint(const Joint& joint, const AtRest::Link& link, Ends 
     const auto by_ground = [&](int end) {
         return FrequencyModel::at_point((end == 0 ? placed.at.from : placed.at.to).origin(), Vector3::Zero());
     };
-    Matrix6 rows[2] = {rigid_rows(x.tail<3>(), joint.by_from(pose)), rigid_rows(x.tail<3>(), joint.by_to(pose))};
+    Matrix6 rows[2] = {rigid_rows(joint, x.tail<3>(), joint.by_from(pose)),
+                       rigid_rows(joint, x.tail<3>(), joint.by_to(pose))};
     for (int k : {0, 1})
         if (is_ground[k]) rows[k] *= by_ground(k);
     for_each_rigid(joint, [&](int, int d) {

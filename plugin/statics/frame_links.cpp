@@ -29,9 +29,9 @@ double least_lever(const Mechanism& mechanism) {
     return kRoundingOfSums * size;
 }
 
-Matrix6 rigid_rows(const Vector3& theta, const Matrix6& columns) {
+Matrix6 rigid_rows(const Joint& joint, const Vector3& theta, const Matrix6& columns) {
     Matrix6 rows = columns;
-    rows.bottomRows<3>() = rotation_vector_rate(theta) * columns.bottomRows<3>();
+    rows.bottomRows<3>() = joint.opening_of_turn(theta) * columns.bottomRows<3>();
     return rows;
 }
 

@@ -24,8 +24,8 @@ void for_each_rigid(const Joint& joint, const Function& function) {
         if (joint.rigid()[as_size(d)]) function(i++, d);
 }
 
-/// Columns of [d; θ] of a joint, from those of [d; relative turn]: δθ = J⁻¹ ε.
-Matrix6 rigid_rows(const Vector3& theta, const Matrix6& columns);
+/// Columns of what is open of a joint's rigid directions, from those of [d; relative turn].
+Matrix6 rigid_rows(const Joint& joint, const Vector3& theta, const Matrix6& columns);
 
 /// Throws Error naming what makes the equations singular: a frame that nothing holds, or rigid directions that meet.
 [[noreturn]] void refuse_singular(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status);

@@ -45,7 +45,7 @@ JointForce carried_force(const PlacedJoint& placed, const Vector6& force, const 
     JointForce all = joint.act(placed.pose, placed.x, force);
     if (joint.law().rigid.none()) return all;
     Vector6 held = rigid;
-    if (joint.turns()) held.tail<3>() = moment_of_gradient(placed.x.tail<3>(), rigid.tail<3>());
+    if (joint.turns()) held.tail<3>() = joint.opening_of_turn(placed.x.tail<3>()).transpose() * rigid.tail<3>();
     all.add(1, placed.pose.act(held));
     return all;
 }
@@ -57,7 +57,8 @@ Matrix6 spread_tangent(const PlacedJoint& placed, const Vector6& force, const Ve
     Matrix6 tangent = Matrix6::Zero();
     if (!joint.turns()) return tangent;
     const Vector3 theta = placed.x.tail<3>();
-    Vector6 gradient = force + rigid;
+    Vector6 gradient = force;
+    if (!joint.is_hinge()) gradient += rigid;
     if (joint.is_line()) {
         tangent = curvature_of(joint.springs().line, force.head<3>());
         gradient += tangent * placed.x;

@@ -169,9 +169,11 @@ void StaticNetwork::find_residuals() {
         for (int end : {0, 1})
             if (const int frame = joint.frame(end); is_inner(frame) && std::isfinite(stiffest_turning))
                 noise_ = std::max(noise_, stiffest_turning * std::numeric_limits<double>::epsilon() / reach_[at(frame)]);
-        if (count_ > 0)
+        if (count_ > 0 && joint.rigid().any()) {
+            const Vector6 opening = joint.opening(placed.pose, placed.at.from, placed.at.to);
             for_each_rigid(
-                joint, [&](int i, int d) { residual_.openings[as_size(matrix_.rigid_begin(as_int(j)) + i)] = placed.x(d); });
+                joint, [&](int i, int d) { residual_.openings[as_size(matrix_.rigid_begin(as_int(j)) + i)] = opening(d); });
+        }
     }
     for (int i = 0; i < count_; ++i)
         residual_.wrenches[as_size(driven_ + i)].head<3>() +=
@@ -249,7 +251,8 @@ void StaticNetwork::add_joint(size_t j) {
     }
     if (count_ == 0 || joint.rigid().none()) return;
     const Vector3 theta = placed.x.tail<3>();
-    const Matrix6 rows[2] = {rigid_rows(theta, joint.by_from(placed.pose)), rigid_rows(theta, joint.by_to(placed.pose))};
+    const Matrix6 rows[2] = {rigid_rows(joint, theta, joint.by_from(placed.pose)),
+                             rigid_rows(joint, theta, joint.by_to(placed.pose))};
     for_each_rigid(joint, [&](int i, int d) {
         matrix_.set_rigid(as_int(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
     });

@@ -27,12 +27,14 @@ void InnerForces::look_at_joints() {
     const Scheme& scheme = mechanism.scheme;
     for (size_t k = 0; k < inside_.rigid_joints.size(); ++k) {
         const size_t j = inside_.rigid_joints[k];
-        const JointPose before = mechanism.joints[j].pose(ends(mechanism.joints[j], mechanism.before));
+        const Joint& joint = mechanism.joints[j];
+        const JointPose before = joint.pose(ends(joint, mechanism.before));
         const Vector3 theta = mechanism.theta(j);
         RigidMap& known = rigid_known_[k] = {};
-        known.add(scheme.elastic_weight(1), mechanism.pose(j), theta);
+        known.add(scheme.elastic_weight(1), mechanism.pose(j), joint.opening_of_turn(theta));
         // Three instants, one force: of one branch of θ
-        known.add(scheme.elastic_weight(2), before, nearest_turn(mechanism.states[j].theta_before, theta));
+        known.add(scheme.elastic_weight(2), before,
+                  joint.opening_of_turn(nearest_turn(mechanism.states[j].theta_before, theta)));
     }
     inside_.massless.look(mechanism);
 }
@@ -40,7 +42,8 @@ void InnerForces::look_at_joints() {
 /// Of a joint's rigid directions over the step, with forces q.
 JointForce InnerForces::rigid_action(size_t j, const JointPose& at_end, const Vector3& theta, const Vector6& q) const {
     RigidMap map = rigid_known_[as_size(inside_.rigid_index[j])];
-    map.add(inside_.mechanism.scheme.elastic_weight(0), at_end, nearest_turn(theta, inside_.mechanism.theta(j)));
+    map.add(inside_.mechanism.scheme.elastic_weight(0), at_end,
+            inside_.mechanism.joints[j].opening_of_turn(nearest_turn(theta, inside_.mechanism.theta(j))));
     return map.of(q);
 }
 
@@ -83,7 +86,8 @@ void InnerForces::find_settling(size_t j, Ends trial, const JointPose& at_end, c
     JointForce then = end.elastic;
     if (joint.rigid().any()) {
         const Vector6 q = inside_.rigid_values(j, inside_.trial_q);
-        then.add(1, at_end.act(at_end.axes * head(q), at_end.axes * moment_of_gradient(end.theta, tail(q))));
+        then.add(1,
+                 at_end.act(at_end.axes * head(q), at_end.axes * (joint.opening_of_turn(end.theta).transpose() * tail(q))));
     }
     Joint::add_wrench(then, loads.end_wrench(joint.from()), loads.end_wrench(joint.to()));
     if (inside_.massless.is_half_way(j))

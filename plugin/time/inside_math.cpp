@@ -22,14 +22,14 @@ Matrix6 local_columns(const Joint& joint, const JointPose& pose, int end, FrameV
 }
 
 Matrix6 rigid_rows(const Mechanism& mechanism, size_t j, const Matrix6& columns) {
-    return rigid_rows(mechanism.theta(j), columns);
+    return rigid_rows(mechanism.joints[j], mechanism.theta(j), columns);
 }
 
 namespace {
 
 void set_rows(const Joint& joint, size_t j, const JointPose& pose, const Vector3& theta, Ends frames, Elimination& matrix) {
-    const Matrix6 rows[2] = {rigid_rows(theta, local_columns(joint, pose, 0, frames.from)),
-                             rigid_rows(theta, local_columns(joint, pose, 1, frames.to))};
+    const Matrix6 rows[2] = {rigid_rows(joint, theta, local_columns(joint, pose, 0, frames.from)),
+                             rigid_rows(joint, theta, local_columns(joint, pose, 1, frames.to))};
     for_each_rigid(joint, [&](int i, int d) {
         matrix.set_rigid(as_int(j), i, rows[0].row(d).transpose(), rows[1].row(d).transpose());
     });

@@ -132,9 +132,9 @@ void InstantBalances::add_balance(const Mechanism& mechanism, const Balance& bal
         }
     }
     if (joint.rigid().none()) return;
-    const Matrix6 rows[2] = {rigid_rows(theta, G[0]), rigid_rows(theta, G[1])};
+    const Matrix6 rows[2] = {rigid_rows(joint, theta, G[0]), rigid_rows(joint, theta, G[1])};
     Vector6 opening = rate;
-    opening.tail<3>() = (rotation_vector_rate(theta) * rate.tail<3>()).eval();
+    opening.tail<3>() = joint.opening_of_turn(theta) * rate.tail<3>();
     for (size_t k = 0; k < balance.group.rigid.size(); ++k) {
         const MasslessRow& row = balance.group.rigid[k];
         if (row.joint != j) continue;

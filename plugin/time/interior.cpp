@@ -186,7 +186,7 @@ void Interior::find_lack() {
     for (size_t j : inside_.rigid_joints) {
         const Joint& joint = mechanism_.joints[j];
         const auto [from, to] = ends(joint, inside_.trial);
-        const Vector6 d = joint.deformation(joint.pose(from, to), from, to);
+        const Vector6 d = joint.opening(joint.pose(from, to), from, to);
         for_each_rigid(joint, [&](int i, int direction) { motion_.q_change[inside_.rigid_row(j, i)] = -d(direction) / h; });
     }
 }

@@ -94,7 +94,7 @@ std::vector<Vector6> InteriorInstant::lend_masses() const {
 /// What accelerations of now lack to keep the rigid directions of a joint closed.
 void InteriorInstant::set_opening(size_t j, const Twist& from, const Twist& to) {
     Vector6 opening = acceleration_of_deformation(j, from, to);
-    opening.tail<3>() = (rotation_vector_rate(inside_.mechanism.states[j].theta_before) * opening.tail<3>()).eval();
+    opening.tail<3>() = (opening_of_turn_before(j) * opening.tail<3>()).eval();
     for_each_rigid(inside_.mechanism.joints[j],
                    [&](int i, int d) { first_balance_->q[inside_.rigid_row(j, i)] = -opening(d); });
 }
@@ -188,16 +188,20 @@ InstantBalances::Acting InteriorInstant::rate_of_force(size_t j, const Twist& fr
             other};
 }
 
+Matrix3 InteriorInstant::opening_of_turn_before(size_t j) const {
+    return inside_.mechanism.joints[j].opening_of_turn(inside_.mechanism.states[j].theta_before);
+}
+
 Vector6 InteriorInstant::rigid_force_over_step(size_t j) const {
     Vector6 q = inside_.rigid_values(j, inside_.rigid);
     if (inside_.mechanism.steps == 1 && inside_.record.starts_at_rest == 0) q *= 2;
-    q.tail<3>() = moment_of_gradient(inside_.mechanism.states[j].theta_before, q.tail<3>()).eval();
+    q.tail<3>() = (opening_of_turn_before(j).transpose() * q.tail<3>()).eval();
     return q;
 }
 
 Vector6 InteriorInstant::rigid_force(size_t j) const {
     Vector6 q = inside_.rigid_values(j, rigid_);
-    q.tail<3>() = moment_of_gradient(inside_.mechanism.states[j].theta_before, q.tail<3>()).eval();
+    q.tail<3>() = (opening_of_turn_before(j).transpose() * q.tail<3>()).eval();
     return q;
 }
 

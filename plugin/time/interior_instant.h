@@ -117,6 +117,7 @@ private:
     void set_opening(size_t joint, const Twist& from, const Twist& to);
     void solve_first_balance();
     std::vector<Vector6> lend_masses() const;
+    Matrix3 opening_of_turn_before(size_t joint) const;
     Vector6 acceleration_of_deformation(size_t joint, const Twist& from, const Twist& to) const;
     void take_load_rates();
     void add_arm_rates(size_t joint, const Twist& from, const Twist& to, const Vector6& f);

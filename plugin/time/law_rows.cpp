@@ -39,9 +39,11 @@ void LawRows::form(const Mechanism& mechanism, const std::vector<Frame>& at) {
         const FrameView from = at[as_size(joint.from())], to = at[as_size(joint.to())];
         const JointPose pose = joint.pose(from, to);
         const Vector6 x = joint.deformation(pose, from, to);
-        for (int end : {0, 1})
-            row.G[end] = rigid_rows(x.tail<3>(), local_columns(joint, pose, end, mechanism.frame(joint.frame(end))))
-                             .row(row.direction);
+        for (int end : {0, 1}) {
+            Matrix6 G = local_columns(joint, pose, end, mechanism.frame(joint.frame(end)));
+            G.bottomRows<3>() = (rotation_vector_rate(x.tail<3>()) * G.bottomRows<3>()).eval();
+            row.G[end] = G.row(row.direction);
+        }
         row.gain = joint
                        .on_path(mechanism.scheme, row.direction, mechanism.states[row.joint].deformation()(row.direction),
                                 x(row.direction), mechanism.memory(row.joint))

@@ -17,6 +17,8 @@
 namespace dttmm::host {
 namespace {
 
+using testing::HasSubstr;
+
 // Oracle: a frequency goes through zero at Euler's load, pi^2 EI/(4 L l), l the pressed length. Within 1e-8 of it rounding
 // hides that frequency, 1e-6 beside nothing. The message named a limit below what it said to be below it, and asked for
 // lower frequencies, which cannot help.

@@ -8,6 +8,7 @@
 
 #include "model/error.h"
 #include "model/keys.h"
+#include "model/step_time.h"
 
 namespace dttmm::host {
 
@@ -31,10 +32,10 @@ const std::vector<Drive>& Drives::around(const dttmm_step& step) {
     for (size_t j = 0; j < joints_.size(); ++j) {
         const Joint& joint = joints_[j];
         if (!joint.drive) continue;
-        const double now = value(joint, t), end = value(joint, t + h);
+        const double now = value(joint, t), end = value(joint, rounded_time(t + h));
         Drive& drive = drives_[j] = {end, (end - now) / h, 0, 0};
         if (step.index > 0) {
-            const double before = value(joint, t - h);
+            const double before = value(joint, rounded_time(t - h));
             drive.rate = (end - before) / (2 * h);
             drive.acceleration = (end - 2 * now + before) / (h * h);
         } else {

@@ -10,6 +10,7 @@
 #include "model/error.h"
 #include "model/index.h"
 #include "model/keys.h"
+#include "model/step_time.h"
 
 namespace dttmm::host {
 
@@ -111,7 +112,7 @@ void Loads::start(double t0, double h) {
 }
 
 void Loads::begin_step(const dttmm_step& step) {
-    const double end = step.time + step.size;
+    const double end = rounded_time(step.time + step.size);
     for (size_t i = 0; i < loads_.size(); ++i) {
         Magnitude& m = magnitudes_[i];
         m.before = m.now;

@@ -17,6 +17,7 @@
 #include "coupling/stability.h"
 #include "loader/plugins.h"
 #include "model/model.h"
+#include "model/step_time.h"
 #include "record/channels.h"
 #include "step/observer.h"
 #include "world/world.h"
@@ -69,7 +70,7 @@ public:
     void observe_rest();
 
     /// Start of the coming step [s], computed from the index, never accumulated.
-    double time() const { return static_cast<double>(index_) * step_size_; }
+    double time() const { return time_after(index_, step_size_); }
     uint64_t index() const { return index_; }
     double step_size() const { return step_size_; }
     /// Steps that give a row at the end of the model's duration.

@@ -188,9 +188,8 @@ std::string Halving::describe_shortfall() const {
                   "order {:.2f}",
                   last.worst, 100 * last.error, last.order);
     return fmt::format(
-        "the tolerance of {:g} % is not reached after {} halvings, at a step of {:g} s{}; ask for less, begin with a "
-        "shorter "
-        "step, or make the loads smoother",
+        "the tolerance of {:g} % is not reached after {} halvings, at a step of {:g} s{}; ask for less, or for the channels "
+        "that matter only (--channels); give stiff parts damping, make the loads smoother, or begin with a shorter step",
         100 * tolerance(), levels_.size() - 1, last.step, reached);
 }
 

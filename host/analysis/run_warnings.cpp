@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "analysis/law_limits.h"
+#include "analysis/signal_jumps.h"
 #include "coupling/stability.h"
 #include "model/index.h"
 #include "model/wording.h"
@@ -81,6 +82,12 @@ std::string describe_energy_fault(const Model& model, const Simulation& simulati
         return fmt::format("{} at {} is too fast for the step of {:g} s; use --step \"{:.12g} s\"", fast.front().name,
                            fast.front().place, simulation.step_size(), fast.front().step);
     const double step = simulation.step_size(), omega_h = simulation.fastest_mode().omega * step;
+    const auto jumps = [&](const Joint& joint) {
+        return joint.drive && find_jump_of_slope([&](double t) { return joint.drive->value(t); }, model.simulation.duration);
+    };
+    if (const auto motor = std::ranges::find_if(model.joints, jumps); motor != model.joints.end())
+        return fmt::format("the speed of the motor of joint \"{}\" jumps, which a shorter step does not help", motor->name);
+    if (omega_h == 0 && model.nodes.empty()) return fmt::format("the step of {:g} s is too long; try a shorter one", step);
     if (omega_h == 0)
         return fmt::format("the step of {:g} s is too long for what vibrates inside the networks; try a shorter one{}", step,
                            or_numerical_damping(model));
@@ -229,12 +236,48 @@ void warn_rows(const Recorder& recorder, const Model& model, const Simulation& s
         worst = &channel;
         worst_share = share;
     });
-    if (worst)
-        warnings.add("peaks-between-rows",
-                     fmt::format("rows every {:g} s are too far apart for the peak of \"{}\": between them it may be "
-                                 "{:.2g} % larger, or missed. Record more often, e.g. --output-step {:.1g}",
-                                 spacing, worst->name(), 100 * worst_share,
-                                 std::max(simulation.step_size(), spacing * std::sqrt(0.01 / worst_share))));
+    if (!worst) return;
+    // So many steps that the rows of today are among those to be
+    const double step = simulation.step_size();
+    const long every = std::lround(spacing / step);
+    long advised = std::max(1L, std::lround(std::floor(spacing / step * std::sqrt(0.01 / worst_share))));
+    while (every % advised != 0) --advised;
+    warnings.add("peaks-between-rows",
+                 fmt::format("rows every {:g} s are too far apart for the peak of \"{}\": between them it may be {:.2g} % "
+                             "larger, or missed. Record more often, e.g. --output-step \"{:.12g} s\"",
+                             spacing, worst->name(), 100 * worst_share, static_cast<double>(advised) * step));
+}
+
+/// Of a body on elements, about its axis of spin: how fast that axis wobbles by itself [rad/s].
+double nutation_of(const Body& body, const BodyState& state) {
+    const Eigen::Matrix3d inertia = state.rotation * body.inertia * state.rotation.transpose();
+    const Eigen::Vector3d momentum = inertia * state.angular_velocity;
+    if (momentum.isZero(0)) return 0;
+    // I u' = u × L, for u small and across L:  ω = |L|/√(I₁ I₂)
+    const Eigen::Vector3d axis = momentum.normalized(), one = axis.unitOrthogonal(), other = axis.cross(one);
+    const double product = one.dot(inertia * one) * other.dot(inertia * other) - std::pow(one.dot(inertia * other), 2);
+    return momentum.norm() / std::sqrt(product);
+}
+
+/// Vibrations that gyroscopic moments make, which the fastest vibration leaves out. A body on a joint nutates with what
+/// carries it: nothing is said of it.
+void warn_spin(const Model& model, const Simulation& simulation, Warnings& warnings) {
+    constexpr double kMost = 0.35;  // rad per step: the period then errs by (ω h)²/12, 1 %
+    const double step = simulation.step_size();
+    const Body* fastest = nullptr;
+    double most = std::max(kMost / step, simulation.fastest_mode().omega);
+    for (size_t b = 0; b < model.bodies.size(); ++b) {
+        const auto holds = [&](const Joint& joint) { return joint.first == as_int(b) || joint.second == as_int(b); };
+        if (std::ranges::any_of(model.joints, holds)) continue;
+        const double nutation = nutation_of(model.bodies[b], simulation.bodies()[b]);
+        if (nutation > most) fastest = &model.bodies[b], most = nutation;
+    }
+    if (!fastest) return;
+    warnings.add(
+        "gyroscopic-step",
+        fmt::format("body \"{}\" spins: its axis nutates at about {:.4g} Hz, {:.3g} steps per period, which omega*h "
+                    "leaves out. A vibration of that kind errs by more than 1 %; use --step \"{:.12g} s\"",
+                    fastest->name, most / (2 * M_PI), 2 * M_PI / (most * step), divide_step(step, kMost / most)));
 }
 
 /// What the linkages did without.
@@ -294,6 +337,7 @@ void warn_of_run(Session& session, const Simulation& simulation, const Recorder&
     Warnings& warnings = session.warnings;
     if (session.halving) session.look_at_loads(simulation);
     warn_energy(recorder, session.model, simulation, session.fast_loads, warnings);
+    if (!session.model.simulation.tolerance) warn_spin(session.model, simulation, warnings);
     warn_limits(simulation.limits(), simulation.channels(), "", warnings);
     warn_singular_positions(simulation, session.model, warnings);
     warn_lost_impacts(simulation, session.model, warnings);

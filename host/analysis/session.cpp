@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "analysis/first_step.h"
+#include "analysis/signal_jumps.h"
 #include "coupling/stability.h"
 #include "model/diagnostics.h"
 #include "model/index.h"
@@ -48,6 +49,41 @@ void warn_jumps(const Model& model, const ElementCatalogue& catalogue, Warnings&
                         "jumps within the first step, and its first velocities and accelerations depend on the step. "
                         "Let the load rise, or give the node a mass or its elements damping",
                         load.place, load.signal.value(0), load.is_moment ? "N m" : "N", node.name));
+    }
+}
+
+/// A motor whose speed jumps acts like a blow, whatever the step.
+void warn_motors(const Model& model, Warnings& warnings) {
+    for (const Joint& joint : model.joints) {
+        if (!joint.drive) continue;
+        const auto jump = find_jump_of_slope([&](double t) { return joint.drive->value(t); }, model.simulation.duration);
+        if (!jump) continue;
+        const bool turns = joint.type == JointType::hinge;
+        warnings.add(
+            "motor-speed-jumps",
+            fmt::format("{}: the speed of the motor of joint \"{}\" jumps by {:.3g} {} at t = {:.4g} s. It does that within "
+                        "one step: its {} there grows as the step is shortened, and energy is not accounted for. Let the "
+                        "speed rise gradually, as with type = \"step\"",
+                        joint.drive_place, joint.name, jump->size, turns ? "rad/s" : "m/s", jump->time,
+                        turns ? "moment" : "force"));
+    }
+}
+
+/// What a fixed step makes of loads that jump while it lasts.
+void note_jumps(const Model& model, double step, Warnings& warnings) {
+    for (size_t i = 0; i < model.loads.size(); ++i) {
+        const Load& load = model.loads[i];
+        const auto parts = load.signal.parts();
+        if (parts && parts->empty()) continue;  // constant
+        const auto jump = find_jump([&](double t) { return load.signal.value(t); }, model.simulation.duration);
+        if (!jump) continue;
+        warnings.note(
+            "load-jumps-between-steps",
+            fmt::format("{}: load number {} jumps by {:.3g} {} at t = {:.4g} s. It acts up to half a step early or "
+                        "late: a vibration of f Hz that it makes errs by up to {:.2g} f, of first order in the "
+                        "step. A run to a tolerance bounds that",
+                        load.place, i + 1, jump->size, load.is_moment ? "N m" : "N", jump->time, M_PI * step));
+        return;
     }
 }
 
@@ -108,6 +144,8 @@ Session::Session(const Request& request)
       simulation(model, plugins),
       selection(selected_channels(model, simulation, request.run.records_motion)) {
     if (!model.simulation.starts_at_rest) warn_jumps(model, plugins.catalogue(), warnings);
+    warn_motors(model, warnings);
+    if (!model.simulation.tolerance) note_jumps(model, simulation.step_size(), warnings);
     if (model.simulation.tolerance)
         halving.emplace(model, plugins, simulation.channels(), selection);
     else

@@ -9,6 +9,7 @@
 
 #include "cli/process.h"
 #include "cli/small_model.h"
+#include "cli/static_run.h"
 
 namespace dttmm::host {
 namespace {
@@ -520,6 +521,11 @@ element = [{{ name = "spring", type = "spring_damper", from = "ground", to = "ba
         EXPECT_EQ(codes_in(folder / "out/summary.json"),
                   is_coarse ? std::vector<std::string>{"peaks-between-rows"} : std::vector<std::string>{});
         EXPECT_THAT(ended.err, is_coarse ? HasSubstr("rows every 0.0025 s are too far apart") : HasSubstr(""));
+        if (!is_coarse) continue;
+        const size_t advice = ended.err.find("--output-step \"") + 15;
+        const std::string advised = ended.err.substr(advice, ended.err.find('"', advice) - advice);
+        EXPECT_EQ(run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out", "--output-step", advised}).code, 0)
+            << advised;
     }
 }
 
@@ -562,6 +568,126 @@ moment = {{ type = "step", from = 0, to = {}, start = 0, end = 1 }}
         const std::string last = history.substr(history.rfind('\n', history.size() - 2) + 1);
         EXPECT_NEAR(std::stod(last.substr(last.find(',') + 1)), angle / segments / 0.5, 1e-3) << segments;
     }
+}
+
+// Oracle: a disc spinning about its axis z nutates at Iz/Ix times its spin. Its springs alone vibrate at 1/70 of that.
+TEST(WarningsOf, ABodyThatSpinsTooFastForTheStepIsTold) {
+    const TemporaryFolder folder;
+    for (const double step : {1e-3, 1e-4}) {
+        for (const bool is_on_a_joint : {false, true}) {
+            write_text(folder / "model.toml",
+                       fmt::format(R"toml(format = "dttmm/1"
+[simulation]
+duration = 0.02
+step = {}
+[[body]]
+name = "disc"
+mass = 5.3
+inertia = {{ xx = 0.011, yy = 0.011, zz = 0.019 }}
+angular_velocity = [{}, 0, 1256.6]
+markers = {{ top = [0, 0, 0.1], bottom = [0, 0, -0.1] }}
+{}
+[[element]]
+name = "one"
+type = "spring_damper"
+from = "ground"
+to = "disc.top"
+stiffness = 2e4
+[[element]]
+name = "other"
+type = "spring_damper"
+from = "ground"
+to = "disc.bottom"
+stiffness = 2e4
+)toml",
+                                   step, is_on_a_joint ? 0 : 6,
+                                   is_on_a_joint ? "[[joint]]\nname = \"axle\"\ntype = \"hinge\"\nbetween = "
+                                                   "[\"ground\", \"disc\"]\nanchor = [0, 0, 0]\naxis "
+                                                   "= [0, 0, 1]\n"
+                                                 : ""));
+            const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"});
+            EXPECT_EQ(ended.code, 0) << ended.err;
+            const bool is_told = step > 5e-4 && !is_on_a_joint;
+            EXPECT_EQ(std::ranges::count(codes_in(folder / "out/summary.json"), "gyroscopic-step"), is_told) << step;
+            EXPECT_THAT(ended.err, HasSubstr(is_told ? "nutates at about 345.4 Hz, 2.89 steps per period" : ""));
+        }
+    }
+}
+
+// A motor whose angle is a table. Oracle: 1 rad in 0.2 s, so its speed jumps by 5 rad/s at two points.
+TEST(WarningsOf, AMotorWhoseSpeedJumpsIsTold) {
+    const TemporaryFolder folder;
+    const auto told = [&](const char* angle) {
+        write_text(folder / "model.toml", fmt::format(R"toml(format = "dttmm/1"
+[simulation]
+duration = 0.5
+step = 1e-3
+[[body]]
+name = "arm"
+mass = 2.3
+inertia = [0.031, 0.027, 0.011]
+position = [0.4, 0, 0]
+[[joint]]
+name = "motor"
+type = "hinge"
+between = ["ground", "arm"]
+anchor = [0, 0, 0]
+axis = [0, 1, 0]
+angle = {}
+)toml",
+                                                      angle));
+        const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        return ended.err;
+    };
+    EXPECT_THAT(told("{ type = \"table\", times = [0, 0.1, 0.3, 0.5], values = [0, 0, 1, 1] }"),
+                testing::AllOf(HasSubstr("the speed of the motor of joint \"motor\" jumps by -5 rad/s at t = 0.3 s"),
+                               HasSubstr("jumps, which a shorter step does not help"), Not(HasSubstr("networks"))));
+    EXPECT_THAT(told("{ type = \"step\", from = 0, to = 1, start = 0.1, end = 0.3 }"), Not(HasSubstr("jumps")));
+    EXPECT_THAT(told("\"=sin(4*t)^2\""), Not(HasSubstr("jumps")));
+}
+
+// Oracle: x = F/k (1 − cos ω(t − τ)) after a jump of F at τ. What a fixed step makes of that errs by up to π f h.
+TEST(WarningsOf, ALoadThatJumpsBetweenStepsIsToldWithItsError) {
+    const TemporaryFolder folder;
+    constexpr double kMass = 3.3, kStiffness = 4e3, kForce = 20, kStart = 0.1;
+    const double omega = std::sqrt(kStiffness / kMass);
+    const auto run = [&](const std::string& force, double step) {
+        write_text(folder / "model.toml", fmt::format(R"toml(format = "dttmm/1"
+[simulation]
+duration = 0.2
+step = {}
+[[body]]
+name = "a"
+mass = {}
+inertia = [0.01, 0.01, 0.01]
+[[load]]
+on = "a"
+direction = [1, 0, 0]
+force = {}
+[[element]]
+name = "s"
+type = "spring_damper"
+from = "ground"
+to = "a"
+stiffness = {}
+)toml",
+                                                      step, kMass, force, kStiffness));
+        return run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"});
+    };
+    for (const double step : {2e-3, 5e-4}) {
+        const Ended ended = run(fmt::format("\"={}*(t>={})\"", kForce, kStart), step);
+        EXPECT_EQ(ended.code, 0);
+        const double bound = M_PI * step;
+        EXPECT_THAT(ended.err, testing::AllOf(HasSubstr("load number 1 jumps by 20 N at t = 0.1 s"),
+                                              HasSubstr(fmt::format("errs by up to {:.2g} f", bound))));
+        const double error = last_row(folder / "out/history.csv").at("a.position.x") -
+                             kForce / kStiffness * (1 - std::cos(omega * (0.2 - kStart)));
+        EXPECT_LT(std::abs(error), 1.01 * bound * omega / (2 * M_PI) * kForce / kStiffness);
+        EXPECT_GT(std::abs(error), 0.1 * bound * omega / (2 * M_PI) * kForce / kStiffness);
+    }
+    EXPECT_THAT(run("{ type = \"sine\", amplitude = 20, frequency = 20 }", 5e-4).err, Not(HasSubstr("jumps")));
+    EXPECT_THAT(run("20", 5e-4).err, Not(HasSubstr("jumps")));
 }
 
 }  // namespace

@@ -273,10 +273,14 @@ ExitCode dispatch(int argc, char** argv) {
     app.require_subcommand(1);
     Request request;
     for (int i = 0; i < argc; ++i) request.command_line += (i ? " " : "") + std::string(argv[i]);
+    const auto is_a_word = [&](const char* name) {
+        return std::find(argv + 1, argv + argc, std::string_view(name)) != argv + argc;
+    };
     std::vector<std::pair<CLI::App*, const CommandLine*>> commands;
     for (const CommandLine& command : kCommands) {
         CLI::App* const added = app.add_subcommand(command.name, command.help);
         commands.emplace_back(added, &command);
+        if (!is_a_word(command.name)) continue;  // of what is not asked for the name is enough
         add_given(*added, command.given, request);
         for (const Option& option : options())
             if (option.commands & command.bit) add_option(*added, option, request);

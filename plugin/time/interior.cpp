@@ -25,8 +25,6 @@ constexpr double kTrialRate = 1e3;
 constexpr double kTooSlow = 0.1;
 /// Of a frame's place, of which stiff joints make forces.
 constexpr double kRoundingOfPlace = 2 * std::numeric_limits<double>::epsilon();
-/// Axes lose their right angles by rounding only.
-constexpr uint64_t kStepsBetweenNormalisations = 64;
 /// Beyond these something has flown apart, by the host's measure of its bodies.
 constexpr double kFarthest = 1e6;  // m
 constexpr double kFastest = 1e8;   // m/s and rad/s
@@ -246,10 +244,12 @@ void Interior::find_end() {
     const double fastest_turning = std::min(kFastest, M_PI / inside_.step_size());
     motion_.find_motion(inside_.motion);
     inside_.place(inside_.motion);
+    // Axes lose their right angles by rounding only: one frame a step, in turn, gets them back
+    const size_t turn = mechanism_.steps % inside_.inertias.size();
     for (size_t i = 0; i < inside_.inertias.size(); ++i) {
         Frame& end = inside_.trial[inside_.frame_of(i)];
         const Vector6& u = inside_.motion[i];
-        if (mechanism_.steps % kStepsBetweenNormalisations == 0) {  // by one step of Newton
+        if (i == turn) {  // by one step of Newton
             Eigen::Map<RowMajor3> next(end.rotation);
             next += (0.5 * next * (RowMajor3::Identity() - next.transpose() * next)).eval();
         }

@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 
+#include "core/rounding.h"
 #include "core/types.h"
 
 namespace dttmm::plugin {
@@ -16,10 +17,8 @@ struct Elimination {
     double
         reciprocal_condition;  ///< 1-norm estimate of 1/cond(A) after the rows were scaled to largest entry one; 0: singular
     int weakest_unknown;       ///< column of A eliminated last: the unknown that a singular system leaves undetermined
-    bool regular() const { return reciprocal_condition > kSmallestCondition; }
-
-    /// Below this fewer than two digits of a double survive.
-    static constexpr double kSmallestCondition = 1e-14;
+    /// Below rounding of sums fewer than two digits of a double survive.
+    bool regular() const { return reciprocal_condition > kRoundingOfSums; }
 };
 
 /// A: n×n, B: n×m, n ≤ 12, m ≤ 13. Rows are scaled to a largest entry of one first, so that compliances of 1e-9 m/N beside

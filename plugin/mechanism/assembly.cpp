@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/index.h"
+#include "core/rounding.h"
 #include "core/state_vector.h"
 #include "element/registry.h"
 #include "mechanism/frame.h"
@@ -18,8 +19,6 @@
 namespace dttmm::plugin {
 
 namespace {
-
-constexpr double kSamePoint = 1e-9;  // [m]: nearer than this is rounding
 
 bool is_rotation(const Matrix3& R) {
     return R.allFinite() && (R * R.transpose() - Matrix3::Identity()).cwiseAbs().maxCoeff() < 1e-9 && R.determinant() > 0;

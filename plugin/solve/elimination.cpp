@@ -143,7 +143,7 @@ Vector6 Elimination::motion_scale(const Pivot& pivot) const {
 /// Beside rows a rotation with next to nothing of its own must drown neither the translation in them, which see both, nor
 /// them in what acts already.
 Vector6 Elimination::scale_with_rows(const Pivot& pivot) const {
-    constexpr double kMost = 1e4;  // ratio of scaled entries in a row; squared it is far from the condition allowed
+    constexpr double kMost = 1 / kNextToNothing;  // ratio of scaled entries in a row
     Vector6 scale = motion_scale(pivot);
     const Vector6& acting = acting_[as_size(pivot.frame)];
     for (Eigen::Index i = 0; i < 6; ++i)
@@ -204,7 +204,6 @@ void Elimination::fill_in(const Pivot& pivot, int coupling, size_t i, const Matr
 /// Its own block with rows that are independent of each other by this frame's motion; all of them where there is no other
 /// frame. Few to begin with; all that can be told apart if that leaves the frame free.
 bool Elimination::factor_general(const Pivot& pivot, Fault& fault) {
-    constexpr double kPoor = 1e-8;  // of rows, and of eigenvalues: what a frame that rows hold too little would leave
     const auto derivatives = [&](size_t row, int end) -> const Vector6& { return rows_[row].by[end]; };
     const auto passed_by = [&](const Pivot& before) -> const OpenRows& { return passed_[as_size(before.passed)].open; };
     if (!open_.gather(*order_, pivot, derivatives, passed_by)) {
@@ -228,9 +227,9 @@ bool Elimination::factor_general(const Pivot& pivot, Fault& fault) {
                                                                                                               6 + count);
         rows.leftCols<6>() = row_scale.asDiagonal() * open_.by[0] * motions.asDiagonal();
         rows.rightCols(count) = row_scale.asDiagonal() * open_.among * row_scale.asDiagonal();
-        choose_independent(rows, 1e-2, choice_, rest_);
-        if (!decompose_with_rows(pivot, motions, row_scale, std::max(smallest_ratio_, kPoor), fault)) {
-            choose_independent(rows, kPoor, choice_, rest_);
+        choose_independent(rows, kSmallTurn, choice_, rest_);
+        if (!decompose_with_rows(pivot, motions, row_scale, std::max(smallest_ratio_, kNextToNothing), fault)) {
+            choose_independent(rows, kNextToNothing, choice_, rest_);
             if (!decompose_with_rows(pivot, motions, row_scale, smallest_ratio_, fault)) return false;
         }
     } else {

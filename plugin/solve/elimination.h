@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/index.h"
+#include "core/rounding.h"
 #include "core/types.h"
 #include "solve/elimination_order.h"
 #include "solve/open_rows.h"
@@ -28,7 +29,7 @@ class Elimination {
 public:
     /// Fixes order and storage; nothing is allocated later. Copies share the order. least_lever: a rotational stiffness that
     /// a lever of this length [m] would make counts as none.
-    Elimination(int frame_count, const std::vector<Link>& links, double least_lever = 1e-14);
+    Elimination(int frame_count, const std::vector<Link>& links, double least_lever = kRoundingOfSums);
 
     void set_zero();
     void add_diagonal(int frame, const Matrix6& block) { diagonal_[as_size(frame)] += block; }

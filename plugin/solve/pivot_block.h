@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/index.h"
+#include "core/rounding.h"
 
 namespace dttmm::plugin {
 
@@ -35,7 +36,6 @@ public:
     /// smallest: least allowed eigenvalue as share of the largest; nothing: eigenvalues are not counted. Returns the unknown
     /// at fault; nothing if there is none.
     std::optional<int> decompose(const Square& block, std::optional<double> smallest) {
-        constexpr double kSmallestCondition = 1e-13;
         const Eigen::Index n = block.rows();
         const Square scaled = scale.asDiagonal() * block * scale.asDiagonal();
         negatives_ = 0;
@@ -54,7 +54,7 @@ public:
             // The condition from the inverse, which is wanted anyway: the library's estimate allocates
             invert(n);
             const auto norm = [](const Square& matrix) { return matrix.cwiseAbs().colwise().sum().maxCoeff(); };
-            if (norm(scaled) * norm(inverse_) < 1 / kSmallestCondition) return std::nullopt;
+            if (norm(scaled) * norm(inverse_) < 1 / kRoundingOfSums) return std::nullopt;
         }
         return as_int(lu_.permutationQ().indices()(n - 1));
     }

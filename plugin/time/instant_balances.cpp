@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "core/rotation.h"
@@ -16,13 +15,8 @@ namespace {
 
 /// A direction is damped if its pivot is more than this share of the largest, in units of c + h k, what damper and spring do
 /// over a step. One that is undamped but for a small turn θ of its frames has θ² of the damping, and would get any velocity.
-/// Values from 1e-6 to 1e-4 pass the tests of rows; without it one fails, with 1e-2 another.
-constexpr double kLeastDamping = 1e-4;
-/// Of the largest diagonal, of the largest pivot: rounding.
-constexpr double kNothing = 1e-13;
-/// A lever of a force on what moves it by one that is rounding of places: at least this [m], and this share of them. Shares
-/// of 1 to 64 epsilon pass the tests of rods 1e4 m away; without it one fails.
-constexpr double kRoundingOfLever = 1e-12, kRoundingOfPlaces = 8 * std::numeric_limits<double>::epsilon();
+/// The tests of instants fail with 1e-6 and with 4e-4.
+constexpr double kLeastDamping = kSmallTurn * kSmallTurn;
 
 /// x of P A Q = L U with the right-hand side r, by the pivots above `least` of the largest; the rest of x is zero. Returns
 /// their number.
@@ -131,7 +125,7 @@ void InstantBalances::add_balance(const Mechanism& mechanism, const Balance& bal
     const Matrix6 G[2] = {joint.by_from(pose), joint.by_to(pose)};
     // A lever that is only deformation is left out of the damping, not of the moments of forces
     Matrix6 damped[2] = {G[0], G[1]};
-    if (joint.seat().rest.isZero(1e-9)) damped[0].topRightCorner<3, 3>().setZero();
+    if (joint.seat().rest.isZero(kSamePoint)) damped[0].topRightCorner<3, 3>().setZero();
     const int frames[2] = {frame_in(mechanism, balance, joint.from()), frame_in(mechanism, balance, joint.to())};
     for (int row : {0, 1}) {
         if (frames[row] < 0) continue;
@@ -194,7 +188,7 @@ void InstantBalances::scale_balance(const Balance& balance, double h) const {
     Eigen::MatrixXd &A = balance.matrix, &K = balance.stiffness;
     Eigen::VectorXd &r = balance.right_hand_side, &d = balance.scale;
     const auto count = as_row(6 * balance.group.frames.size());
-    const double lever = std::max(kRoundingOfLever, kRoundingOfPlaces * balance.farthest);
+    const double lever = kRoundingOfSums * std::max(1.0, balance.farthest);
     for (Eigen::Index i = 0; i < count; ++i) d(i) = A(i, i) + h * K(i, i);
     for (Eigen::Index i = 0; i < count; i += 6) {
         const double least = lever * lever * d.segment<3>(i).maxCoeff();
@@ -224,7 +218,7 @@ void InstantBalances::scale_balance(const Balance& balance, double h) const {
         largest[i / 3 % 2] = std::max(largest[i / 3 % 2], d(i));
     }
     for (Eigen::Index i = 0; i < count; ++i) {
-        const double size = std::max(d(i), kNothing * largest[i / 3 % 2]);
+        const double size = std::max(d(i), kRoundingOfSums * largest[i / 3 % 2]);
         d(i) = size > 0 ? 1 / std::sqrt(size) : 1;
     }
     for (Eigen::Index i = count; i < A.rows(); ++i) {
@@ -253,7 +247,7 @@ void InstantBalances::add_undamped(const Balance& balance, Eigen::Index rank) co
     }
     z.tail(balance.matrix.rows() - free).setZero();
     balance.lu.compute(B);
-    solve_by_rank(balance.lu, kNothing, z, balance.solution);
+    solve_by_rank(balance.lu, kRoundingOfSums, z, balance.solution);
     r.noalias() += N.leftCols(free) * z.head(free);
 }
 

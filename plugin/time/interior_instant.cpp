@@ -7,6 +7,7 @@
 
 #include "core/index.h"
 #include "core/rotation.h"
+#include "core/rounding.h"
 #include "time/inside_math.h"
 
 namespace dttmm::plugin {
@@ -61,7 +62,6 @@ void InteriorInstant::form_first_balance() {
 /// Where they join none, of the lightest in the network: rounding of what is lent acts on the bodies, and a kilogram moved
 /// those of milligrams. Where the network has no mass, of a kilogram: bodies of 1e-12 kg feel 1e-11 of their acceleration.
 std::vector<Vector6> InteriorInstant::lend_masses() const {
-    constexpr double kShare = 1e-6;  // solve_first_balance() takes it out again; 1e-2 to 1e-8 give the same digits
     constexpr double kNone = std::numeric_limits<double>::infinity();
     std::vector<double> nearby(inside_.inertias.size(), kNone);
     for (size_t i = 0; i < nearby.size(); ++i)
@@ -82,7 +82,8 @@ std::vector<Vector6> InteriorInstant::lend_masses() const {
     }
     std::vector<Vector6> lent(nearby.size(), Vector6::Zero());
     for (size_t i : inside_.massless.frames()) {
-        const double mass = kShare * (nearby[i] < kNone ? nearby[i] : lightest);
+        // solve_first_balance() takes it out again; 1e-2 to 1e-8 give the same digits
+        const double mass = kNextToNothing * (nearby[i] < kNone ? nearby[i] : lightest);
         const double arm = inside_.reach[i] > 0 ? inside_.reach[i] : 1;
         for (int half : {0, 1})
             if (inside_.massless.is_massless(i, half))
@@ -100,14 +101,14 @@ void InteriorInstant::set_opening(size_t j, const Twist& from, const Twist& to) 
 }
 
 /// Adds to the forces of rigid directions what closes these. Forces that accelerate lent masses are taken off again, pass
-/// by pass: with B the lent masses,  (M + B) a₁ + Jᵀ q₁ = 0,  J a₁ = g,   (M + B) a₂ + Jᵀ q₂ = B a₁,  J a₂ = 0, ...
+/// by pass, 4 as a rule, more where levers are short beside the reach of a frame: with B the lent masses,  (M + B) a₁ + Jᵀ
+/// q₁ = 0,  J a₁ = g,   (M + B) a₂ + Jᵀ q₂ = B a₁,  J a₂ = 0, ...
 void InteriorInstant::solve_first_balance() {
-    constexpr int kMostPasses = 100;  // 4 are the rule; more where levers are short beside the reach of a frame
     std::vector<Vector6>& a = first_balance_->a;
     std::vector<double>& q = first_balance_->q;
     std::ranges::fill(a, Vector6::Zero());
     double first = 0, before = 0;
-    for (int pass = 0; pass < kMostPasses; ++pass) {
+    for (int pass = 0; pass < kMostPassesOfStep; ++pass) {
         first_balance_->matrix.solve(a, q);
         for (size_t i = 0; i < q.size(); ++i) rigid_[i] += q[i];
         const double size = largest_size(a, inside_.turn_weight);

@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/rounding.h"
 #include "time/inside_math.h"
 
 namespace dttmm::plugin {
 
 namespace {
 
-/// Share by which a rigid direction may have turned against its frames since the matrix was formed.
-constexpr double kTurnedRows = 0.02;
-/// The same of joints at ports: as k h²/m of a stiff hinge is in the thousands, so is the error of the force on the ports.
+/// Share by which a joint at a port may have turned against its frames since the matrix was formed. Less than kSmallTurn: as
+/// k h²/m of a stiff hinge is in the thousands, so is the error of the force on the ports.
 constexpr double kTurnedPorts = 1e-4;
 
 }  // namespace
@@ -176,8 +176,8 @@ bool InteriorMatrix::rigid_directions_have_turned() const {
             bool turned = false;
             for_each_rigid(inside_.mechanism.joints[j], [&](int i, int d) {
                 const Vector6& then = elimination_.rigid(as_int(j), i, end);
-                turned = turned ||
-                         (rows.row(d).transpose() - then).squaredNorm() > kTurnedRows * kTurnedRows * then.squaredNorm();
+                turned =
+                    turned || (rows.row(d).transpose() - then).squaredNorm() > kSmallTurn * kSmallTurn * then.squaredNorm();
             });
             if (turned) return true;
         }

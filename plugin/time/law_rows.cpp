@@ -110,10 +110,9 @@ void LawRows::find_lack(const Mechanism& mechanism) {
 /// Newton's iteration for z, until its last digits no longer fall. A correction that makes it worse, as across the kink of a
 /// law, is halved until it does not: a small enough part of it never does.
 bool LawRows::solve(const Mechanism& mechanism) {
-    constexpr int kMostPasses = 200;
     z_.setZero();
     find_lack(mechanism);
-    for (int pass = 0; pass < kMostPasses; ++pass) {
+    for (int pass = 0; pass < kMostPassesOfStep; ++pass) {
         newton_ = compliance_ * slope_.asDiagonal();
         newton_.diagonal().array() += 1;
         factor_.compute(newton_);

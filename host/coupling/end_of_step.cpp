@@ -208,7 +208,7 @@ bool EndOfStep::judge(int pass) {
     const auto judgement = convergence_.judge_bodies(equations_.u(), equations_.correction(), pass > 1 || joints_.empty());
     if (!judgement.is_finite) fail(pass);
     if (judgement.is_slow) {
-        if (pass > 2) equations_.joint_system().tighten();  // a new matrix was not enough
+        equations_.joint_system().tighten();
         stiffness_wanted_ = true;
     }
     return judgement.is_done;

@@ -30,8 +30,6 @@ namespace dttmm::host {
 /// not show in the correction).
 class EndOfStep {
 public:
-    static constexpr double kAgreement = 1e-8;
-
     EndOfStep(const Model& model, const Networks& networks);
 
     /// Initial conditions: from the motion at t0 with the velocities and accelerations of that instant, returns the motion

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "world/iteration.h"
-
 namespace dttmm::host {
 
 namespace {
@@ -16,6 +14,9 @@ constexpr double kSlow = 0.1;
 /// After so many passes a correction that has not halved is rounding, if it is small.
 constexpr int kPassesToFall = 4;
 
+/// Of a correction that is more than half of the one before, θ/(1 − θ) > 1, everything may remain.
+bool falls(double correction, double previous) { return correction <= 0.5 * previous; }
+
 }  // namespace
 
 double Contraction::left(double correction) const {
@@ -25,18 +26,18 @@ double Contraction::left(double correction) const {
 
 void Contraction::measure(double rate, double previous) {
     // A rate of zero would be trusted for ever: doubled it stays zero
-    share_ = rate < 0.5 ? std::max(rate, std::numeric_limits<double>::epsilon()) / (1 - rate) : 1;
+    share_ = falls(rate, 1) ? std::max(rate, std::numeric_limits<double>::epsilon()) / (1 - rate) : 1;
     measured_at_ = previous;
 }
 
-void Contraction::forget(double least) { share_ = std::clamp(2 * share_, least, 1.0); }
+void Contraction::forget(double least) { share_ = std::clamp(kTrustLost * share_, least, 1.0); }
 
 void NewtonConvergence::open(double least) {
     if (last_.is_new) motion_ = momentum_ = {};
     motion_.forget(least);
     momentum_.forget(least);
     last_ = {};
-    noise_ *= 0.5;
+    noise_ /= kTrustLost;
     first_ = 0;
     passes_ = not_done_ = 0;
     is_done_ = is_slow_ = false;
@@ -71,10 +72,10 @@ bool NewtonConvergence::judge(double rounding) {
     const double tolerance = std::max(last_.enough, std::min(limits_.first * first_, limits_.motion * last_.motion)),
                  allowed = limits_.impulse * last_.impulse;
     if (motion_.left(last_.correction) <= tolerance && momentum_.left(last_.residual) <= allowed) return true;
-    if (passes_ <= kPassesToFall || last_.correction <= 0.5 * last_.previous) return false;
+    if (passes_ <= kPassesToFall || falls(last_.correction, last_.previous)) return false;
     // Forces in balance to rounding leave nothing to find, however far a soft direction moves for it
     const bool is_balanced = last_.impulse > 0 && last_.residual == 0;
-    const bool is_small = last_.correction <= std::max(limits_.rounding * last_.motion, kNearRounding * rounding);
+    const bool is_small = last_.correction <= std::max(kMayBeRounding * last_.motion, kNearRounding * rounding);
     if (!is_balanced && (!is_small || last_.residual > allowed)) return false;
     noise_ = last_.correction;
     return true;

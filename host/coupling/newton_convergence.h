@@ -2,6 +2,8 @@
 #pragma once
 
 #include "dttmm_plugin.h"
+#include "world/inertia.h"
+#include "world/iteration.h"
 
 namespace dttmm::host {
 
@@ -29,16 +31,16 @@ class NewtonConvergence {
 public:
     /// What may remain.
     struct Limits {
-        double motion;    ///< share of it
-        double first;     ///< share of the first correction of the step
-        double impulse;   ///< share of the largest
-        double rounding;  ///< share of the motion, or near rounding: corrections may be that which fall no longer
+        double motion;   ///< share of it
+        double first;    ///< share of the first correction of the step
+        double impulse;  ///< share of the largest
     };
     /// Bodies are found to rounding: their momentum is exact, and forces grow with stiffness.
-    static constexpr Limits kBodies{1e-13, 1, 1, 1e-9};
+    static constexpr Limits kBodies{kNearRounding * kRounding, 1, 1};
     /// Inside, what is lacking is made up for in the next step. The last way of the bodies is answered linearly, and errs in
     /// the same sense step after step.
-    static constexpr Limits kInside{1e-6, 1e-6, 1e-8, 1e-7};
+    static constexpr double kLeftInside = 1e-6;
+    static constexpr Limits kInside{kLeftInside, kLeftInside, kAgreement};
 
     explicit NewtonConvergence(const Limits& limits) : limits_(limits) {}
 

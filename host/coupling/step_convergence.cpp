@@ -11,6 +11,7 @@
 #include "model/diagnostics.h"
 #include "model/index.h"
 #include "world/inertia.h"
+#include "world/iteration.h"
 
 namespace dttmm::host {
 
@@ -151,7 +152,7 @@ bool StepConvergence::is_felt(const BodyVectors& u, const BodyVectors& before) c
 
 double StepConvergence::tolerance(size_t body, double share) const {
     const Group& group = groups_[bodies_[body].group];
-    return std::max(share * group.convergence.progress().motion, 100 * group.convergence.progress().enough);
+    return std::max(share * group.convergence.progress().motion, kNearRounding * group.convergence.progress().enough);
 }
 
 void StepConvergence::add_to(StepReport& report, const BodyVectors& correction) const {

@@ -23,9 +23,6 @@ namespace {
 
 std::atomic<int> complaints{0};
 
-/// CFM of ODE's joints over the largest mobility of a body: enough for redundant joints; JointClosure makes up for it.
-constexpr double kSoftness = 1e-10;
-
 std::string format_text(const char* text, va_list arguments) {
     char buffer[512];
     std::vsnprintf(buffer, sizeof buffer, text, arguments);
@@ -96,15 +93,14 @@ World::World(const std::vector<Body>& bodies, const std::vector<Joint>& joints) 
                                        body.angular_velocity});
     }
     if (joints.empty()) return;
-    double largest_mobility = 1;
+    largest_mobility_ = 1;
     for (const Joint& joint : joints)
         for (int index : {joint.first, joint.second}) {
             if (index < 0) continue;
             const Body& body = bodies[as_size(index)];
-            largest_mobility = std::max({largest_mobility, 1 / body.mass, 1 / body.inertia.diagonal().minCoeff()});
+            largest_mobility_ = std::max({largest_mobility_, 1 / body.mass, 1 / body.inertia.diagonal().minCoeff()});
         }
     dWorldSetERP(world_->id(), 1);
-    dWorldSetCFM(world_->id(), kSoftness * largest_mobility);
     for (const Joint& joint : joints) create_joint(joint);
     before_.resize(bodies.size());
     after_.resize(bodies.size());
@@ -213,6 +209,8 @@ void World::drive(const std::vector<Drive>& drives) {
 
 /// ODE's own, with or without its joints; 0 if it ran out of memory.
 int World::step(double h, bool with_joints) {
+    // Redundant joints need it; JointClosure makes up for it. ODE divides it by h
+    dWorldSetCFM(world_->id(), h * JointSystem::kProximal * largest_mobility_);
     if (with_joints) return dWorldStep(world_->id(), h);
     for (const JointHandle& joint : joints_) dJointDisable(static_cast<dJointID>(joint.id));
     const int done = dWorldStep(world_->id(), h);

@@ -69,6 +69,7 @@ private:
         bool turns, is_driven;
     };
     std::vector<JointHandle> joints_;
+    double largest_mobility_ = 0;  ///< of a body with joints [1/kg, 1/(kg m²)], at least 1
     std::vector<BodyState> before_, after_;
     std::unique_ptr<JointClosure> closure_;  ///< none without joints
 };

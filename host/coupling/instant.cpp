@@ -5,10 +5,13 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "model/diagnostics.h"
 #include "model/error.h"
 #include "model/index.h"
+#include "world/iteration.h"
 
 namespace dttmm::host {
 
@@ -150,17 +153,25 @@ void InstantSolver::factor(const JointSystem& joints, double time) {
                         time));
 }
 
-/// Solves with the proximal E of redundant joints taken out again.
+/// Solves with the proximal E of redundant joints taken out again: until what is left of their equations no longer falls.
 void InstantSolver::solve_balance(const JointSystem& joints) {
-    constexpr int kPasses = 4;
     solution_.setZero();
-    for (int pass = 0; pass < kPasses; ++pass) {
+    double left = std::numeric_limits<double>::infinity();
+    for (int pass = 0; pass < kMostPassesOfStep; ++pass) {
         proximal_ = right_hand_side_;
         for (size_t j = 0; j < joints.joints().size(); ++j) {
             const auto q = Eigen::seqN(matrix_.joint_index(as_int(j)), joints.joints()[j].count());
             proximal_(q) += matrix_.upper().diagonal()(q).cwiseProduct(solution_(q));
         }
         factor_.solve(proximal_, solution_);
+        // J u − g = E (q − q before)
+        double open = 0;
+        for (size_t j = 0; j < joints.joints().size(); ++j)
+            for (int i = matrix_.joint_index(as_int(j)), end = i + joints.joints()[j].count(); i < end; ++i)
+                open = std::max(
+                    open, std::abs(matrix_.upper().diagonal()(i) * solution_(i) - (proximal_(i) - right_hand_side_(i))));
+        if (!(open < left)) return;
+        left = open;
     }
 }
 

@@ -63,6 +63,17 @@ TEST(Gauss, NearlyDependentRowsAreNotRegular) {
     EXPECT_FALSE(eliminate_full_pivot(A, random_matrix(4, 1, 22)).regular());
 }
 
+// Oracle: [1, 1; 1, 1 + d] has the condition number 4/d but for terms of order one. 1e-14 of its inverse is the limit.
+TEST(Gauss, IsRegularAboveRoundingOfSums) {
+    const auto is_regular = [](double inverse_condition) {
+        SmallMatrix A(2, 2);
+        A << 1, 1, 1, 1 + 4 * inverse_condition;
+        return eliminate_full_pivot(A, SmallMatrix::Ones(2, 1)).regular();
+    };
+    EXPECT_FALSE(is_regular(0.8e-14));
+    EXPECT_TRUE(is_regular(1.25e-14));
+}
+
 TEST(Gauss, NonFiniteEntriesAreNotRegular) {
     SmallMatrix A = random_matrix(3, 3, 31);
     A(1, 1) = std::numeric_limits<double>::infinity();

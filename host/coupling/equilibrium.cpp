@@ -119,8 +119,7 @@ const RestState& Equilibrium::find(double t0) {
 }
 
 /// The whole load. Beside a long line that hangs there are equilibria with kinks between its links, where their law does not
-/// hold. Where one may be found, smaller corrections look for one that bends joints less, by half
-/// at least.
+/// hold. Where one may be found, smaller corrections look for one that bends joints less, by a tenth at least.
 void Equilibrium::search(double t0) {
     const auto look = [&](double most_bend) {
         most_bend_ = most_bend;
@@ -137,7 +136,7 @@ void Equilibrium::search(double t0) {
             if (error.code() != ExitCode::numerical_failure) throw;
             continue;
         }
-        if (bend_ <= kMayBeKink || bend_ < 0.5 * least) least = bend_, best = most_bend;
+        if (bend_ <= kMayBeKink || bend_ < 0.9 * least) least = bend_, best = most_bend;
     }
     if (most_bend_ != best) look(best);
 }
@@ -148,7 +147,7 @@ void Equilibrium::begin(double t0) {
     state_.at = kept_ = start_ = states_at_start(model_);
     turned_.assign(start_.size(), Eigen::Vector3d::Zero());
     kept_turned_ = turned_;
-    stiffest_ = resistance_ = 0;
+    stiffest_ = resistance_ = least_resistance_ = 0;
     is_smooth_ = true;
     loads_.start(t0);
     joints_.start(t0);

@@ -197,6 +197,28 @@ TEST(Assembly, MassesAtOnePointStayThere) {
     }
 }
 
+// Oracle: two masses of 1.3 kg that lie 2 d apart have the moment 2 · 1.3 d² across, and none within a nanometre of their
+// centre: what a rounding of their places makes is no inertia.
+TEST(Assembly, PointsWithinANanometreAreOne) {
+    for (const double d : {0.8e-9, 1.25e-9}) {
+        Description model;
+        const uint32_t n = model.node("n", DTTMM_NODE_INNER);
+        Eigen::Map<Vector3>{model.nodes[n].position} = Vector3::Zero();
+        constexpr double kOwn = 1e-19;
+        model.element("one", "point_mass", {n}, {{"mass", {1.3}}});
+        model.element("other", "rigid_body", {n},
+                      {{"mass", {1.3}},
+                       {"center_of_mass", {2 * d, 0, 0}},
+                       {"inertia.xx", {kOwn}},
+                       {"inertia.yy", {kOwn}},
+                       {"inertia.zz", {kOwn}}});
+        const Assembly assembly = model.assembled();
+        const FrameSpec& frame = assembly.frames[static_cast<size_t>(assembly.nodes[n].frame)];
+        const double moment = d < 1e-9 ? 0 : 2 * 1.3 * d * d;
+        EXPECT_NEAR(frame.inertia.trace(), 3 * kOwn + 2 * moment, 1e-6 * kOwn) << d;
+    }
+}
+
 // Oracle: a body whose axes are not those of the frame it is welded to: its tensor is turned.
 TEST(Assembly, ABodyInOtherAxesIsTurned) {
     Description d;

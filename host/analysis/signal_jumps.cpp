@@ -9,8 +9,8 @@ namespace dttmm::host {
 
 namespace {
 
-constexpr int kSamples = 1 << 14, kCuts = 6;  // 2^20 parts of the duration
-constexpr double kSmallest = 0.01;            // of the range
+constexpr int kLooks = 1 << 14, kCuts = 6;  // 2^20 parts of the duration
+constexpr double kLeastJump = 0.01;         // of the range
 
 /// Half of [from, to] again and again, the half across which the value changes more.
 Jump narrow(const std::function<double(double)>& value, double from, double to) {
@@ -28,15 +28,15 @@ Jump narrow(const std::function<double(double)>& value, double from, double to) 
 }  // namespace
 
 std::optional<Jump> find_jump(const std::function<double(double)>& value, double duration) {
-    const double width = duration / kSamples;
-    std::vector<double> samples(kSamples + 1);
-    for (int i = 0; i <= kSamples; ++i) samples[static_cast<size_t>(i)] = value(i * width);
+    const double width = duration / kLooks;
+    std::vector<double> samples(kLooks + 1);
+    for (int i = 0; i <= kLooks; ++i) samples[static_cast<size_t>(i)] = value(i * width);
     const auto [least, most] = std::ranges::minmax(samples);
     std::optional<Jump> largest;
-    for (size_t i = 0; i < kSamples; ++i) {
+    for (size_t i = 0; i < kLooks; ++i) {
         const double change = samples[i + 1] - samples[i];
         // Written so that a value that is not a number has none
-        if (!(std::abs(change) > kSmallest * (most - least)) || (largest && std::abs(change) <= std::abs(largest->size)))
+        if (!(std::abs(change) > kLeastJump * (most - least)) || (largest && std::abs(change) <= std::abs(largest->size)))
             continue;
         // What is smooth has a 64th of the change left
         const Jump found = narrow(value, static_cast<double>(i) * width, static_cast<double>(i + 1) * width);
@@ -46,7 +46,7 @@ std::optional<Jump> find_jump(const std::function<double(double)>& value, double
 }
 
 std::optional<Jump> find_jump_of_slope(const std::function<double(double)>& value, double duration) {
-    const double width = duration / kSamples / (1 << kCuts) / 16;  // a jump of the slope is a rise as wide
+    const double width = duration / kLooks / (1 << kCuts) / 16;  // a jump of the slope is a rise as wide
     return find_jump([&](double t) { return (value(t + width) - value(t)) / width; }, duration);
 }
 

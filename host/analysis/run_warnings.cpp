@@ -83,10 +83,10 @@ std::string describe_energy_fault(const Model& model, const Simulation& simulati
                            fast.front().place, simulation.step_size(), fast.front().step);
     const double step = simulation.step_size(), omega_h = simulation.fastest_mode().omega * step;
     const auto jumps = [&](const Joint& joint) {
-        return joint.drive && find_jump_of_slope([&](double t) { return joint.drive->value(t); }, model.simulation.duration);
+        return joint.drive && find_jump_of_speed([&](double t) { return joint.drive->value(t); }, model.simulation.duration);
     };
     if (const auto motor = std::ranges::find_if(model.joints, jumps); motor != model.joints.end())
-        return fmt::format("the speed of the motor of joint \"{}\" jumps, which a shorter step does not help", motor->name);
+        return fmt::format("the motor of joint \"{}\" jumps, which a shorter step does not help", motor->name);
     if (omega_h == 0 && model.nodes.empty()) return fmt::format("the step of {:g} s is too long; try a shorter one", step);
     if (omega_h == 0)
         return fmt::format("the step of {:g} s is too long for what vibrates inside the networks; try a shorter one{}", step,
@@ -256,7 +256,9 @@ double nutation_of(const Body& body, const BodyState& state) {
     // I u' = u × L, for u small and across L:  ω = |L|/√(I₁ I₂)
     const Eigen::Vector3d axis = momentum.normalized(), one = axis.unitOrthogonal(), other = axis.cross(one);
     const double product = one.dot(inertia * one) * other.dot(inertia * other) - std::pow(one.dot(inertia * other), 2);
-    return momentum.norm() / std::sqrt(product);
+    // A sphere has no axis
+    const double across = std::sqrt(product), along = axis.dot(inertia * axis);
+    return std::abs(along - across) > 0.1 * across ? momentum.norm() / across : 0;
 }
 
 /// Vibrations that gyroscopic moments make, which the fastest vibration leaves out. A body on a joint nutates with what

@@ -52,38 +52,52 @@ void warn_jumps(const Model& model, const ElementCatalogue& catalogue, Warnings&
     }
 }
 
-/// A motor whose speed jumps acts like a blow, whatever the step.
-void warn_motors(const Model& model, Warnings& warnings) {
-    for (const Joint& joint : model.joints) {
-        if (!joint.drive) continue;
-        const auto jump = find_jump_of_slope([&](double t) { return joint.drive->value(t); }, model.simulation.duration);
-        if (!jump) continue;
-        const bool turns = joint.type == JointType::hinge;
+/// A motor or a support that jumps, or whose speed does, acts like a blow, whatever the step.
+void warn_blows(const Model& model, Warnings& warnings) {
+    const auto look = [&](const Signal& signal, const std::string& place, const std::string& name, bool turns) {
+        const auto jump = find_jump_of_speed([&](double t) { return signal.value(t); }, model.simulation.duration);
+        if (!jump) return;
         warnings.add(
-            "motor-speed-jumps",
-            fmt::format("{}: the speed of the motor of joint \"{}\" jumps by {:.3g} {} at t = {:.4g} s. It does that within "
-                        "one step: its {} there grows as the step is shortened, and energy is not accounted for. Let the "
-                        "speed rise gradually, as with type = \"step\"",
-                        joint.drive_place, joint.name, jump->size, turns ? "rad/s" : "m/s", jump->time,
-                        turns ? "moment" : "force"));
-    }
+            "motion-jumps",
+            fmt::format("{}: {} jumps{} by {:.3g} {}{} at t = {:.4g} s. It does that within one step: forces grow as "
+                        "the step is shortened, and energy is not accounted for. Let it rise gradually, as with "
+                        "type = \"step\"",
+                        place, name, jump->is_slope ? " in speed" : "", jump->size, turns ? "rad" : "m",
+                        jump->is_slope ? "/s" : "", jump->time));
+    };
+    for (const Joint& joint : model.joints)
+        if (joint.drive)
+            look(*joint.drive, joint.drive_place, fmt::format("the motor of joint \"{}\"", joint.name),
+                 joint.type == JointType::hinge);
+    for (const Node& node : model.nodes)
+        for (size_t d = 0; d < node.motion.size(); ++d)
+            if (node.motion[d] && find_jump([&](double t) { return node.motion[d]->value(t); }, model.simulation.duration))
+                look(*node.motion[d], node.motion_place, fmt::format("the motion of node \"{}\"", node.name), d >= 3);
 }
 
 /// What a fixed step makes of loads that jump while it lasts.
 void note_jumps(const Model& model, double step, Warnings& warnings) {
+    const double end = model.simulation.duration;
     for (size_t i = 0; i < model.loads.size(); ++i) {
         const Load& load = model.loads[i];
-        const auto parts = load.signal.parts();
-        if (parts && parts->empty()) continue;  // constant
-        const auto jump = find_jump([&](double t) { return load.signal.value(t); }, model.simulation.duration);
-        if (!jump) continue;
-        warnings.note(
-            "load-jumps-between-steps",
-            fmt::format("{}: load number {} jumps by {:.3g} {} at t = {:.4g} s. It acts up to half a step early or "
-                        "late: a vibration of f Hz that it makes errs by up to {:.2g} f, of first order in the "
-                        "step. A run to a tolerance bounds that",
-                        load.place, i + 1, jump->size, load.is_moment ? "N m" : "N", jump->time, M_PI * step));
-        return;
+        for (const Signal* signal : {&load.signal, load.signal_at_to ? &*load.signal_at_to : nullptr}) {
+            if (!signal) continue;
+            const auto parts = signal->parts();
+            if (parts && parts->empty() && signal->value(0) == signal->value(end)) continue;  // constant
+            const auto jump = find_jump([&](double t) { return signal->value(t); }, end);
+            if (!jump || jump->time > end - step) continue;
+            warnings.note(
+                "load-jumps-between-steps",
+                fmt::format("{}: load number {} jumps by {:.3g} {} at t = {:.4g} s. It acts up to half a step early "
+                            "or late: a vibration of f Hz that it makes errs by up to {:.2g} f, of first order in "
+                            "the step. A run to a tolerance bounds that",
+                            load.place, i + 1, jump->size,
+                            load.is_per_length() ? "N/m"
+                            : load.is_moment     ? "N m"
+                                                 : "N",
+                            jump->time, M_PI * step));
+            return;
+        }
     }
 }
 
@@ -144,7 +158,7 @@ Session::Session(const Request& request)
       simulation(model, plugins),
       selection(selected_channels(model, simulation, request.run.records_motion)) {
     if (!model.simulation.starts_at_rest) warn_jumps(model, plugins.catalogue(), warnings);
-    warn_motors(model, warnings);
+    warn_blows(model, warnings);
     if (!model.simulation.tolerance) note_jumps(model, simulation.step_size(), warnings);
     if (model.simulation.tolerance)
         halving.emplace(model, plugins, simulation.channels(), selection);

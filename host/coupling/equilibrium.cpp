@@ -136,7 +136,9 @@ void Equilibrium::search(double t0) {
             if (error.code() != ExitCode::numerical_failure) throw;
             continue;
         }
+        const bool is_same = std::abs(bend_ - least) <= kBalance * least;
         if (bend_ <= kMayBeKink || bend_ < 0.9 * least) least = bend_, best = most_bend;
+        if (is_same) break;  // found twice, it is no chance
     }
     if (most_bend_ != best) look(best);
 }

@@ -641,10 +641,14 @@ angle = {}
         return ended.err;
     };
     EXPECT_THAT(told("{ type = \"table\", times = [0, 0.1, 0.3, 0.5], values = [0, 0, 1, 1] }"),
-                testing::AllOf(HasSubstr("the speed of the motor of joint \"motor\" jumps by -5 rad/s at t = 0.3 s"),
+                testing::AllOf(HasSubstr("the motor of joint \"motor\" jumps in speed by "),
                                HasSubstr("jumps, which a shorter step does not help"), Not(HasSubstr("networks"))));
     EXPECT_THAT(told("{ type = \"step\", from = 0, to = 1, start = 0.1, end = 0.3 }"), Not(HasSubstr("jumps")));
     EXPECT_THAT(told("\"=sin(4*t)^2\""), Not(HasSubstr("jumps")));
+    EXPECT_THAT(told("{ type = \"table\", times = [0, 1e-3, 0.5], values = [0, 0, 1] }"),
+                HasSubstr("jumps in speed by 2 rad/s at t = 0.00"));  // not at the end
+    for (const char* angle : {"\"=t^2+0.001*(t>0.25)\"", "\"=t^3+0.001*(t>=0.2)\"", "\"=t^3+0.001*(t>0.2)\""})
+        EXPECT_THAT(told(angle), HasSubstr("the motor of joint \"motor\" jumps by 0.001 rad at t = 0.2")) << angle;
 }
 
 // Oracle: x = F/k (1 − cos ω(t − τ)) after a jump of F at τ. What a fixed step makes of that errs by up to π f h.
@@ -687,6 +691,8 @@ stiffness = {}
         EXPECT_GT(std::abs(error), 0.1 * bound * omega / (2 * M_PI) * kForce / kStiffness);
     }
     EXPECT_THAT(run("{ type = \"sine\", amplitude = 20, frequency = 20 }", 5e-4).err, Not(HasSubstr("jumps")));
+    EXPECT_THAT(run("{ type = \"step\", from = 0, to = 20, start = 0.1, end = 0.1 }", 5e-4).err, HasSubstr("jumps by 20 N"));
+    EXPECT_THAT(run("\"=20*(t>=0.2)\"", 5e-4).err, Not(HasSubstr("jumps")));  // in the last row only
     EXPECT_THAT(run("20", 5e-4).err, Not(HasSubstr("jumps")));
 }
 

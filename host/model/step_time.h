@@ -12,7 +12,7 @@ inline double rounded_time(double time) {
     constexpr double kPowers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
                                   1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};  // exact
     const int exponent = static_cast<int>(std::bit_cast<uint64_t>(time) >> 52) - 1023;                // time >= 0
-    const int decimals = 14 - static_cast<int>(std::floor(exponent * 0.30102999566398120));
+    const int decimals = 14 - ((exponent * 78913) >> 18);  // log10(2) = 78913/2^18, rounded down
     if (decimals < 0 || decimals > 22) return time;
     const double power = kPowers[decimals];
     return static_cast<double>(static_cast<int64_t>(time * power + 0.5)) / power;  // 1e14 to 2e15

@@ -52,27 +52,30 @@ void warn_jumps(const Model& model, const ElementCatalogue& catalogue, Warnings&
     }
 }
 
-/// A motor or a support that jumps, or whose speed does, acts like a blow, whatever the step.
+/// Motors that jump or whose speed does, and supports that jump, act like a blow at any step.
 void warn_blows(const Model& model, Warnings& warnings) {
-    const auto look = [&](const Signal& signal, const std::string& place, const std::string& name, bool turns) {
-        const auto jump = find_jump_of_speed([&](double t) { return signal.value(t); }, model.simulation.duration);
-        if (!jump) return;
+    const double duration = model.simulation.duration;
+    const auto warn = [&](const Jump& jump, const std::string& place, const std::string& name, bool turns) {
         warnings.add(
             "motion-jumps",
             fmt::format("{}: {} jumps{} by {:.3g} {}{} at t = {:.4g} s. It does that within one step: forces grow as "
                         "the step is shortened, and energy is not accounted for. Let it rise gradually, as with "
                         "type = \"step\"",
-                        place, name, jump->is_slope ? " in speed" : "", jump->size, turns ? "rad" : "m",
-                        jump->is_slope ? "/s" : "", jump->time));
+                        place, name, jump.is_slope ? " in speed" : "", jump.size, turns ? "rad" : "m",
+                        jump.is_slope ? "/s" : "", jump.time));
     };
-    for (const Joint& joint : model.joints)
-        if (joint.drive)
-            look(*joint.drive, joint.drive_place, fmt::format("the motor of joint \"{}\"", joint.name),
+    for (const Joint& joint : model.joints) {
+        if (!joint.drive) continue;
+        if (const auto jump = find_jump_of_speed([&](double t) { return joint.drive->value(t); }, duration))
+            warn(*jump, joint.drive_place, fmt::format("the motor of joint \"{}\"", joint.name),
                  joint.type == JointType::hinge);
+    }
     for (const Node& node : model.nodes)
-        for (size_t d = 0; d < node.motion.size(); ++d)
-            if (node.motion[d] && find_jump([&](double t) { return node.motion[d]->value(t); }, model.simulation.duration))
-                look(*node.motion[d], node.motion_place, fmt::format("the motion of node \"{}\"", node.name), d >= 3);
+        for (size_t d = 0; d < node.motion.size(); ++d) {
+            if (!node.motion[d]) continue;
+            if (const auto jump = find_jump([&](double t) { return node.motion[d]->value(t); }, duration))
+                warn(*jump, node.motion_place, fmt::format("the motion of node \"{}\"", node.name), d >= 3);
+        }
 }
 
 /// What a fixed step makes of loads that jump while it lasts.

@@ -14,7 +14,9 @@ namespace dttmm::host {
 namespace {
 
 constexpr int kLooks = 1 << 14, kCuts = 64;  // 2^20 parts of the duration
-constexpr double kLeastJump = 0.01;          // of the range
+constexpr double kLeastJump = 0.01;          // of the range: the 1 % to which loads are looked at (load_speed.h)
+/// The same of a motor: a millionth of 1 rad within a step of 1 ms is an acceleration of 1 rad/s².
+constexpr double kLeastJumpOfMotion = 1e-6;
 
 std::vector<double> look_at(const std::function<double(double)>& value, double from, double width, int count) {
     std::vector<double> looks(as_size(count) + 1);
@@ -62,32 +64,32 @@ std::optional<Jump> find_jump(const std::function<double(double)>& value, double
 }
 
 std::optional<Jump> find_jump_of_speed(const std::function<double(double)>& value, double duration) {
-    constexpr int kCandidates = 32;
     const double width = duration / kLooks, part = width / kCuts;
     const std::vector<double> looks = look_at(value, 0, width, kLooks), bends = bends_of(looks);
     std::vector<double> steps = looks;
     std::adjacent_difference(steps.begin(), steps.end(), steps.begin());
     steps.erase(steps.begin());
-    const double range = range_of(looks), range_of_slope = range_of(steps) / width;
-    std::vector<size_t> order(bends.size());
-    std::iota(order.begin(), order.end(), size_t{0});
-    const auto half = order.begin() + kCandidates;
-    std::ranges::partial_sort(order, half, std::greater(), [&](size_t i) { return std::abs(bends[i]); });
+    const double least_jump = kLeastJumpOfMotion * range_of(looks), least_kink = kLeastJump * range_of(steps) / width;
     std::optional<Jump> jump, kink;
-    for (auto candidate = order.begin(); candidate != half; ++candidate) {
-        const size_t i = *candidate;
-        if (i == 0 || i + 1 >= looks.size() || !(std::abs(bends[i]) > 1e-6 * range)) continue;
+    for (size_t i = 3; i + 3 < bends.size(); ++i) {
+        // What is smooth bends about as much three looks away
+        const double own = std::abs(bends[i]), nearby = std::max(std::abs(bends[i - 3]), std::abs(bends[i + 3]));
+        if (!(own > 0.4 * least_jump && own > 2 * nearby)) continue;
         // In a 64th of the time a jump bends as much, a jump of the slope a 64th, and what is smooth a 64th of that
         const double start = static_cast<double>(i - 1) * width;
         const std::vector<double> fine = bends_of(look_at(value, start, part, 2 * kCuts));
         const size_t sharpest = largest_of(fine);
-        const double share = std::abs(fine[sharpest] / bends[i]), time = start + static_cast<double>(sharpest) * part;
-        if (share > 0.4) {
-            if (!jump || std::abs(fine[sharpest]) > std::abs(jump->size)) jump = {time, fine[sharpest], false};
-        } else if (share > 0.4 / kCuts && std::abs(fine[sharpest]) > kLeastJump * range_of_slope * part &&
-                   (!kink || std::abs(fine[sharpest]) / part > std::abs(kink->size))) {
+        const double time = start + static_cast<double>(sharpest) * part, bend = std::abs(fine[sharpest]);
+        if (bend > 0.4 * own) {
+            // It bends up before it and down behind it
+            const bool is_before = std::abs(fine[sharpest - 1]) > std::abs(fine[sharpest + 1]);
+            const double size = fine[sharpest] * (is_before ? -1 : 1);
+            if (std::abs(size) > std::max(least_jump, jump ? std::abs(jump->size) : 0))
+                jump = {is_before ? time - part : time, size, false};
+        } else if (bend > 0.4 / kCuts * own) {
             // Between two looks it bends both
-            kink = {time, (fine[sharpest - 1] + fine[sharpest] + fine[sharpest + 1]) / part, true};
+            const double change = (fine[sharpest - 1] + fine[sharpest] + fine[sharpest + 1]) / part;
+            if (std::abs(change) > std::max(least_kink, kink ? std::abs(kink->size) : 0)) kink = {time, change, true};
         }
     }
     return jump ? jump : kink;

@@ -17,8 +17,8 @@ struct Jump {
 /// within a millionth of the duration counts as one; one that is taken back as soon may be missed.
 std::optional<Jump> find_jump(const std::function<double(double)>& value, double duration);
 
-/// A jump of `value` of more than a millionth of its range, or else the largest one of its slope of more than a hundredth of
-/// the range of that, as a table has at its points.
+/// The largest jump of `value` of more than a millionth of its range, or else the largest one of its slope of more than a
+/// hundredth of the range of that, as a table has at its points.
 std::optional<Jump> find_jump_of_speed(const std::function<double(double)>& value, double duration);
 
 }  // namespace dttmm::host

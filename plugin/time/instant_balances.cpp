@@ -56,16 +56,15 @@ void find_undamped(const Eigen::FullPivLU<Eigen::MatrixXd>& lu, Eigen::Index ran
     }
 }
 
-/// Whether the motion of a massless half at one end of a joint makes a force on one at the other: through a force, which a
-/// rotation of the `to` frame moves where that has a lever, or through a moment.
+/// Whether the motion of a massless half at one end of a joint makes a force on one at the other: through a force where the
+/// `to` end has no mass, or through a moment where neither has inertia. A frame without inertia is a point, so that a force
+/// at a `to` end does not turn it.
 bool joins_massless_halves(const Mechanism& mechanism, const MasslessSet& set, const Joint& joint) {
     const int from = set.index_of(mechanism, joint.from()), to = set.index_of(mechanism, joint.to());
     if (from < 0 || to < 0) return false;
-    const bool shifts = set.has_none(as_size(to), 0),
-               turns[2] = {set.has_none(as_size(from), 1), set.has_none(as_size(to), 1)};
-    const bool moves_point = shifts || (turns[1] && (joint.seat().has_lever || joint.is_axial()));
     const Directions carried = joint.law().carried();
-    return ((carried << 3).any() && moves_point) || ((carried >> 3).any() && turns[0] && turns[1]);
+    return ((carried << 3).any() && set.has_none(as_size(to), 0)) ||
+           ((carried >> 3).any() && set.has_none(as_size(from), 1) && set.has_none(as_size(to), 1));
 }
 
 }  // namespace

@@ -602,6 +602,70 @@ rotational_stiffness = 100
     }
 }
 
+// The same in a row of which nothing but forces, or nothing but moments, is without mass: rotations are fixed, or the nodes
+// are point masses.
+TEST(Instant, MasslessHalvesInARowStartAsTheirDampersBalance) {
+    const double c = 1 / (1 / 5. + 1 / 2. + 1 / 9.);
+    for (const bool turns : {false, true}) {
+        const std::string kind = turns ? "rotational_" : "", node = turns ? "" : R"(, fixed = ["rx", "ry", "rz"])",
+                          masses = turns ? R"toml([[element]]
+name = "m1"
+type = "point_mass"
+at = "one"
+mass = 0.7
+[[element]]
+name = "m2"
+type = "point_mass"
+at = "two"
+mass = 0.4
+)toml"
+                                         : "";
+        const RecordedRun rows(fmt::format(R"toml(
+[simulation]
+duration = 1e-3
+step = 1e-5
+[nodes]
+one = {{ position = [0, 0, 0]{1} }}
+two = {{ position = [0, 0, 0]{1} }}
+wall = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+[[body]]
+name = "b"
+mass = 2
+inertia = [0.01, 0.012, 0.015]
+{3}velocity = [0, 0.3, 0]
+[[element]]
+name = "s1"
+type = "spring_damper"
+from = "wall"
+to = "one"
+{4}{0}stiffness = 2000
+{0}damping = 5
+[[element]]
+name = "s2"
+type = "spring_damper"
+from = "one"
+to = "two"
+{4}{0}stiffness = 900
+{0}damping = 2
+[[element]]
+name = "s3"
+type = "spring_damper"
+from = "two"
+to = "b"
+{4}{0}stiffness = 1000
+{0}damping = 9
+{2})toml",
+                                           kind, node, masses, turns ? "angular_" : "", turns ? "stiffness = 20000\n" : ""));
+        const std::string rate = turns ? "angular_velocity.y" : "velocity.y", force = turns ? "moment.y" : "force.y";
+        EXPECT_NEAR(rows(0, "one." + rate), 0.3 * c / 5, 1e-12) << turns;
+        EXPECT_NEAR(rows(0, "two." + rate), 0.3 * (1 - c / 9), 1e-12) << turns;
+        for (size_t n = 0; n < rows.count(); ++n) {
+            EXPECT_NEAR(rows(n, "s1." + force), rows(n, "s2." + force), 1e-9 * 3) << turns << " " << n;
+            EXPECT_NEAR(rows(n, "s3." + force), rows(n, "s2." + force), 1e-9 * 3) << turns << " " << n;
+        }
+    }
+}
+
 // Oracle: the same machine at a tenth of the step. Five rigid directions of the rod and the moment of the beam meet at the
 // massless rotation of a point mass. Its balance corrects the moments: the forces that masses need stay with them.
 TEST(Instant, AMassBetweenABeamAndARodAcceleratesSmoothly) {

@@ -322,9 +322,8 @@ void FrequencyAssembly::add_resting_line(const LineSpec& spec) {
             add_piece(spec, i, count, start, finish, piece.axes, length, piece.axial,
                       forces.falling_in(piece.axes, section));
             const LineModel& line = model_.lines.back();
-            if (shapes_.size() <= line.kind) shapes_.resize(line.kind + 1);
-            if (!shapes_[line.kind]) shapes_[line.kind] = line.waves->static_shapes();
-            resting_->add_deviation(line, forces.stiffness(piece, section, *shapes_[line.kind]));
+            if (!shapes_ || shapes_->kind != line.kind) shapes_ = {line.kind, line.waves->static_shapes()};
+            resting_->add_deviation(line, forces.stiffness(piece, section, shapes_->at_rest));
             model_.lines.back().deviation = as_int(model_.bonds.size()) - 1;
             model_.total_mass += section.mass * length;
         }

@@ -47,7 +47,11 @@ private:
     using Key = std::tuple<std::array<uint64_t, sizeof(Section) / sizeof(double)>, double, bool, unsigned long,
                            LineWaves::Axial, std::array<double, 9>>;
     std::map<Key, size_t> known_kinds_;
-    std::vector<std::optional<LineShapes>> shapes_;  ///< at rest, by kind
+    struct Shapes {
+        size_t kind;
+        LineShapes at_rest;
+    };
+    std::optional<Shapes> shapes_;  ///< of the last kind: pieces of a line in a row are often alike
 };
 
 }  // namespace dttmm::plugin

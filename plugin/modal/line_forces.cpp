@@ -13,24 +13,34 @@ namespace dttmm::plugin {
 
 namespace {
 
-/// By the motion of the ends and a twist between them.
-struct TwistedShape {
-    Eigen::Matrix<double, 6, 13> d, slope;
-};
-using Matrix13 = Eigen::Matrix<double, 13, 13>;
-using Rotations = Eigen::Matrix<double, 3, 13>;
-using Strains = Eigen::Matrix<double, 3, 12>;
+/// At a place of a line: displacement, rotation, and what both change by per length.
+using Place = Eigen::Matrix<double, 12, 1>;
+constexpr Eigen::Index kTurn = 3, kSlope = 6, kBend = 9;  ///< where they begin
 
-/// The integrand of LineForces::stiffness; load: that turns with the line.
-Matrix13 turning_of_section(const Vector6& forces, const Vector3& load, const TwistedShape& shape) {
+/// A quadratic form of these is added both ways round.
+void add_both(Matrix12& form, Eigen::Index row, Eigen::Index column, const Matrix3& block) {
+    form.block<3, 3>(row, column) += block;
+    form.block<3, 3>(column, row) += block.transpose();
+}
+
+/// The integrand of LineForces::stiffness, of forces that turn; load: that turns with the line.
+Matrix12 turning_of_section(const Vector6& forces, const Vector3& load) {
     const Vector3 f = forces.head<3>(), m = forces.tail<3>(), e = Vector3::UnitX();
-    const auto turn = shape.d.bottomRows<3>();
-    const auto shear = shape.slope.topRows<3>(), bend = shape.slope.bottomRows<3>();
-    const Rotations by_turn = skew(f) * shear + 0.5 * skew(m) * bend +
-                              (0.5 * f * e.transpose() - 0.5 * f.x() * Matrix3::Identity()) * turn,
-                    turned = 0.5 * skew(load) * turn;
-    const Matrix13 half = turn.transpose().lazyProduct(by_turn) + shape.d.topRows<3>().transpose().lazyProduct(turned);
-    return half + half.transpose();
+    Matrix12 form = Matrix12::Zero();
+    add_both(form, kTurn, kSlope, skew(f));
+    add_both(form, kTurn, kBend, 0.5 * skew(m));
+    add_both(form, kTurn, kTurn, 0.5 * f * e.transpose() - 0.5 * f.x() * Matrix3::Identity());
+    add_both(form, 0, kTurn, 0.5 * skew(load));
+    return form;
+}
+
+/// The strains of a section by what it does, axes of the line.
+Eigen::Matrix<double, 3, 12> strains_of_section() {
+    Eigen::Matrix<double, 3, 12> rows = Eigen::Matrix<double, 3, 12>::Zero();
+    rows.middleCols<3>(kSlope).setIdentity();
+    rows(1, kTurn + 2) = -1;
+    rows(2, kTurn + 1) = 1;
+    return rows;
 }
 
 double least_bending(const Section& section) {
@@ -155,9 +165,9 @@ Matrix12 LineForces::stiffness(const Piece& piece, const Section& section, const
     mean.x() = a.x() / 2;
     const Vector3 weight_of_piece = piece.axes.transpose() * weight_, mass_axis(0, section.offset_y, section.offset_z);
     const Matrix3 known = falling_in(piece.axes, section);
-    Matrix13 sum = Matrix13::Zero();
+    const Eigen::Matrix<double, 3, 12> strains = strains_of_section();
     Matrix12 K = Matrix12::Zero();
-    Vector12 longer = Vector12::Zero();
+    Vector12 longer = Vector12::Zero(), by_twist = Vector12::Zero();
     for (size_t k = 0; k < shapes.at.size(); ++k) {
         const double t = LineShapes::kPoints[k], share = piece.from + t * (piece.to - piece.from),
                      weight = LineShapes::kWeights[k] * h;
@@ -165,37 +175,32 @@ Matrix12 LineForces::stiffness(const Piece& piece, const Section& section, const
         Vector6 forces = to_local * at(share);
         const Vector3 force = forces.head<3>();
         forces(0) -= (1 - t) * piece.axial[0] + t * piece.axial[1];
-        TwistedShape twisted;
-        twisted.d << shapes.at[k].d, Vector6::Unit(3) * (4 * t * (1 - t));
-        twisted.slope << shapes.at[k].slope, Vector6::Unit(3) * (4 * (1 - 2 * t) / h);
-        sum += weight * turning_of_section(forces, turning_load(share), twisted);
         const Vector3 normal = turn_of_section(share);
-        if (!known.isZero(0)) {
-            const Rotations twisting = twisted.d.bottomRows<3>();
-            const Matrix3 turned = falling(weight_of_piece, rotation_from_vector<double>(turn + normal) * mass_axis);
-            sum += weight * twisting.transpose() * (turned - known) * twisting;
-        }
-        const auto rotation = shapes.at[k].d.bottomRows<3>();
-        const auto bend = shapes.at[k].slope.bottomRows<3>();
-        const Matrix3 half = 0.5 * (force * slope.transpose() - force.dot(slope) * Matrix3::Identity()),
-                      axes = rotation_from_vector<double>(turn + normal),
-                      turned = axes * rigidities.asDiagonal() * axes.transpose();
-        const Eigen::Matrix<double, 3, 12> by_rotation = weight * (half + half.transpose()) * rotation,
-                                           by_bend = weight * (turned - Matrix3(rigidities.asDiagonal())) * bend;
-        K += rotation.transpose().lazyProduct(by_rotation) + bend.transpose().lazyProduct(by_bend);
-        longer += weight * shapes.at[k].slope.topRows<3>().transpose() * slope;
-        Strains strains = shapes.at[k].slope.topRows<3>();
-        strains.row(1) -= rotation.row(2);
-        strains.row(2) += rotation.row(1);
-        const Strains own = rotation_from_vector<double>(normal).transpose() * strains;
-        longer += weight * (own.row(0) - strains.row(0)).transpose();
+        const Matrix3 axes = rotation_from_vector<double>(turn + normal);
+        Matrix12 form = turning_of_section(forces, turning_load(share));
+        if (!known.isZero(0)) form.block<3, 3>(kTurn, kTurn) += falling(weight_of_piece, axes * mass_axis) - known;
+        // A twist between the ends, a parabola
+        Place twist = Place::Zero();
+        twist(kTurn) = 4 * t * (1 - t);
+        twist(kBend) = 4 * (1 - 2 * t) / h;
+        const Place forces_by_twist = form * twist;
+        add_both(form, kTurn, kTurn, 0.5 * (force * slope.transpose() - force.dot(slope) * Matrix3::Identity()));
+        form.block<3, 3>(kBend, kBend) +=
+            axes * rigidities.asDiagonal() * axes.transpose() - Matrix3(rigidities.asDiagonal());
+        const Eigen::Matrix<double, 3, 12> own = rotation_from_vector<double>(normal).transpose() * strains;
         for (const auto& [i, stiffness] : {std::pair(1, section.GAy), std::pair(2, section.GAz)})
             if (std::isfinite(stiffness))
-                K +=
-                    weight * stiffness * (own.row(i).transpose() * own.row(i) - strains.row(i).transpose() * strains.row(i));
+                form += stiffness * (own.row(i).transpose() * own.row(i) - strains.row(i).transpose() * strains.row(i));
+        Place stretch = (own.row(0) - strains.row(0)).transpose();
+        stretch.segment<3>(kSlope) += slope;
+        Matrix12 by_ends;
+        by_ends << shapes.at[k].d, shapes.at[k].slope;
+        const Matrix12 formed = (weight * form).lazyProduct(by_ends);
+        K.noalias() += by_ends.transpose().lazyProduct(formed);
+        by_twist += weight * (by_ends.transpose() * forces_by_twist);
+        longer += weight * (by_ends.transpose() * stretch);
     }
-    const Vector12 by_twist = sum.topRightCorner<12, 1>();
-    K += sum.topLeftCorner<12, 12>() - by_twist * by_twist.transpose() / (16 * section.GJ / (3 * h));
+    K -= by_twist * by_twist.transpose() / (16 * section.GJ / (3 * h));
     const Vector12 drawn = Vector12::Unit(6) - Vector12::Unit(0), all = drawn + longer;
     return K + section.EA / h * (all * all.transpose() - drawn * drawn.transpose());
 }

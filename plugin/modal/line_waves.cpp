@@ -103,16 +103,9 @@ LineWaves::LineWaves(const Line& line, double length, Directions active, Axial a
 /// Directions that the equations of the line couple, in groups: each is solved by itself.
 void LineWaves::group_directions(const Section& s, Directions moving, const Matrix6& M, const Matrix6& falling,
                                  const Vector6& C) {
-    Matrix6 A = Matrix6::Zero(), A_by_N = A, G_by_N = A, G_by_N2 = A;
+    Matrix6 A = Matrix6::Zero();
     A(1, 5) = 1;
     A(2, 4) = -1;
-    for (const auto& [deflection, rotation] : kPlanes) {
-        const auto d = as_row(deflection), r = as_row(rotation);
-        const double shear = moving[deflection] ? C(d) : 0;
-        A_by_N(d, r) = -shear * A(d, r);
-        G_by_N(r, r) = 1;
-        G_by_N2(r, r) = -shear;
-    }
     std::array<int, 6> group_of{};
     group_of.fill(-1);
     for (size_t first = 0; first < 6; ++first) {
@@ -139,9 +132,6 @@ void LineWaves::group_directions(const Section& s, Directions moving, const Matr
         };
         group.A = own(A);
         group.M = own(M);
-        group.A_by_N = own(A_by_N);
-        group.G_by_N = own(G_by_N);
-        group.G_by_N2 = own(G_by_N2);
         group.falling = own(falling);
         group.C = C(group.directions);
         group.unit_d.setOnes(n);
@@ -216,10 +206,11 @@ LineEquations<LineWaves::Whole<Scalar, n>> LineWaves::equations_of(const Group& 
     corner(S, 1, 0) = in_units(group.falling, un).template cast<Scalar>() - lambda * M.template cast<Scalar>();
     corner(S, 1, 1) = minus_At(A).template cast<Scalar>();
     corner(equations.by_lambda, 1, 0) = -M.template cast<Scalar>();
-    if ((axial_[0] != 0 || axial_[1] != 0) && !group.G_by_N.isZero(0)) {
+    if ((axial_[0] != 0 || axial_[1] != 0) && !group.A.isZero(0)) {
         const double N = axial_at(start), rise = is_graded() ? axial_at(start + s) - N : 0;
-        const Real A_by_N = in_units(group.A_by_N, ud), G_by_N = in_units(group.G_by_N, un),
-                   G_by_N2 = in_units(group.G_by_N2, un);
+        const Group::Few by_N = group.A_by_N();
+        const Real A_by_N = in_units(by_N, ud), G_by_N = in_units(group.A.transpose() * group.A, un),
+                   G_by_N2 = in_units(group.A.transpose() * by_N, un);
         const auto add = [&](States& to, double to_A, const Real& G) {
             corner(to, 0, 0) += (to_A * A_by_N).template cast<Scalar>();
             corner(to, 1, 0) += G.template cast<Scalar>();
@@ -382,6 +373,18 @@ void LineWaves::evaluate(const Expansion& expansion, double lambda, Matrix12& st
     });
 }
 
+/// What stands in rows of the plane that is this one's mirror, and in columns of both its ends. rows: 2 at a place, 4 at
+/// both ends.
+template <class Matrix>
+void LineWaves::copy_mirrored(const Group& group, size_t rows, Matrix& matrix) const {
+    const std::vector<int>& other = groups_[as_size(group.mirror)].directions;
+    const auto at = [](const std::vector<int>& directions, size_t k) { return directions[k % 2] + (k < 2 ? 0 : 6); };
+    for (size_t i = 0; i < rows; ++i)
+        for (size_t j = 0; j < 4; ++j)
+            matrix(at(group.directions, i), at(group.directions, j)) =
+                ((i + j) % 2 == 0 ? 1.0 : -1.0) * matrix(at(other, i), at(other, j));
+}
+
 /// waves_of: of the group of a number, n as a constant.
 template <class Scalar, class WavesOf>
 void LineWaves::evaluate_groups(Square<Scalar>& stiffness, Square<Scalar>* mass, const WavesOf& waves_of) const {
@@ -390,14 +393,8 @@ void LineWaves::evaluate_groups(Square<Scalar>& stiffness, Square<Scalar>* mass,
     for (size_t g = 0; g < groups_.size(); ++g) {
         const Group& group = groups_[g];
         if (group.mirror >= 0) {
-            const std::vector<int>& other = groups_[as_size(group.mirror)].directions;
-            const auto at = [](const std::vector<int>& directions, size_t k) { return directions[k % 2] + (k < 2 ? 0 : 6); };
-            for (size_t i = 0; i < 4; ++i)
-                for (size_t j = 0; j < 4; ++j)
-                    for (Square<Scalar>* into : {&stiffness, mass})
-                        if (into)
-                            (*into)(at(group.directions, i), at(group.directions, j)) =
-                                ((i + j) % 2 == 0 ? 1.0 : -1.0) * (*into)(at(other, i), at(other, j));
+            copy_mirrored(group, 4, stiffness);
+            if (mass) copy_mirrored(group, 4, *mass);
             continue;
         }
         with_size(group.directions.size(), [&]<int n>(std::integral_constant<int, n> constant) {
@@ -483,7 +480,12 @@ LineShapes LineWaves::static_shapes() const {
         shape.d.setIdentity();
         shape.slope.setZero();
     }
-    for (const Group& group : groups_)
+    for (const Group& group : groups_) {
+        if (group.mirror >= 0) {
+            for (LineShapes::Shape& shape : shapes.at)
+                for (auto* matrix : {&shape.d, &shape.slope}) copy_mirrored(group, 2, *matrix);
+            continue;
+        }
         with_size(group.directions.size(), [&]<int n>(std::integral_constant<int, n>) {
             const auto size = as_row(group.directions.size());
             const auto at = [&](Eigen::Index k) { return group.directions[as_size(k % size)] + (k < size ? 0 : 6); };
@@ -509,6 +511,7 @@ LineShapes LineWaves::static_shapes() const {
                     }
             }
         });
+    }
     return shapes;
 }
 

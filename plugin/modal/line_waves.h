@@ -115,12 +115,11 @@ private:
     struct Group {
         using Few = Part<double, Eigen::Dynamic>;
         std::vector<int> directions;
-        Few A, M;  ///< A: without axial force
-        /// A + N A_by_N, and what N adds to n' by d: N G_by_N + N² G_by_N2.
-        Few A_by_N, G_by_N, G_by_N2;
-        Few falling;
-        Few A_at(double axial) const { return A + axial * A_by_N; }
+        Few A, M, falling;
         Numbers<Eigen::Dynamic> C, unit_d, unit_n;  ///< diagonal of C; units of d and n for a piece of unit length
+        /// An axial force N makes A of A + N A_by_N, and adds to n' by d N Aᵀ (A + N A_by_N).
+        Few A_by_N() const { return -(C.asDiagonal() * A); }
+        Few A_at(double axial) const { return A + axial * A_by_N(); }
         int mirror = -1;  ///< group of the other plane that is the same but for the sense of its rotation
     };
     /// U of a group and its derivative by λ, in units of d and n.
@@ -140,6 +139,8 @@ private:
     static Waves<double, n> waves(const Expansion::OfGroup& own, double share, bool with_derivative);
     template <class Scalar, class WavesOf>
     void evaluate_groups(Square<Scalar>& stiffness, Square<Scalar>* mass, const WavesOf& waves_of) const;
+    template <class Matrix>
+    void copy_mirrored(const Group& group, size_t rows, Matrix& matrix) const;
     template <class Scalar, int n>
     static void add_group(const Group& group, const Waves<Scalar, n>& waves, Square<Scalar>& stiffness,
                           Square<Scalar>* mass);

@@ -11,13 +11,12 @@
 #include "core/error.h"
 #include "core/rotation.h"
 #include "time/inside_math.h"
-#include "time/slow_motion.h"
 
 namespace dttmm::plugin {
 
 namespace {
 
-/// Of the largest speed [m/s or rad/s], in start velocities: rounding, and what the stiff hold of those given gives way.
+/// Of the largest speed [m/s or rad/s], in start velocities: rounding of the numbers of a model.
 constexpr double kTolerated = 1e-7;
 
 /// A velocity for messages, without what is too small to count.
@@ -44,11 +43,7 @@ InnerStart::InnerStart(const Inside& inside, const Elimination& pattern, Ports p
     if (!moves) return;
     std::vector<Vector6> motion(frames_.size(), Vector6::Zero());
     for (size_t p = 0; p < as_size(inside.ports); ++p) motion[p] = in_axes(frames_[p], joined(velocities_[p]));
-    const std::span<Vector6> inner = inside.inner(motion);
-    const SlowMotion slow(inside, pattern, frames_, [&](Elimination& matrix) {
-        std::ranges::fill(inner, Vector6::Zero());
-        hold_given(matrix, inner);
-    });
+    const SlowMotion slow(inside, pattern, frames_, given_velocities());
     std::vector<double> q(inside.rigid.size());
     slow.follow(motion, q);
     for (auto f = as_size(inside.driven); f < motion.size(); ++f) {
@@ -57,27 +52,15 @@ InnerStart::InnerStart(const Inside& inside, const Elimination& pattern, Ports p
     }
 }
 
-/// Adds to the matrix, and to the load on the inner frames, what moves nodes as they are given to.
-void InnerStart::hold_given(Elimination& matrix, std::span<Vector6> load) const {
-    constexpr double kHold = 1e12;  // stiffer than everything
+std::vector<GivenVelocity> InnerStart::given_velocities() const {
+    std::vector<GivenVelocity> all;
     for (size_t i = 0; i < inside_.given.size(); ++i) {
         const NodeSpec& spec = inside_.mechanism.assembly.nodes[as_size(inside_.inner_nodes[i])];
-        if (!inside_.given[i].moves || !inside_.is_inner(spec.frame)) continue;
-        const size_t inner = inside_.at(spec.frame);
-        // v_node = v − offset × ω in the frame's axes
-        Matrix6 G = Matrix6::Identity();
-        G.topRightCorner<3, 3>() = -skew(spec.offset);
-        const Vector6 given = in_axes(frames_[as_size(spec.frame)], joined(inside_.given[i].velocity));
-        const Matrix6 own = matrix.diagonal(as_int(inner));
-        const double translation = kHold * std::max(own.topLeftCorner<3, 3>().trace(), 1e-300);
-        // What holds the translation at a lever turns the frame too, and must not drown what holds the rotation
-        const double rotation = std::max(kHold * std::max(own.bottomRightCorner<3, 3>().trace(), 1e-300),
-                                         spec.offset.squaredNorm() * translation);
-        Vector6 weight;
-        weight << Vector3::Constant(translation), Vector3::Constant(rotation);
-        matrix.add_diagonal(as_int(inner), G.transpose() * weight.asDiagonal() * G);
-        load[inner] += G.transpose() * weight.cwiseProduct(given);
+        if (inside_.given[i].moves && inside_.is_inner(spec.frame))
+            all.push_back({inside_.at(spec.frame), spec.offset,
+                           in_axes(frames_[as_size(spec.frame)], joined(inside_.given[i].velocity))});
     }
+    return all;
 }
 
 void InnerStart::refuse_forbidden_velocities() const {

@@ -6,6 +6,7 @@
 
 #include "solve/elimination.h"
 #include "time/inside.h"
+#include "time/slow_motion.h"
 
 namespace dttmm::plugin {
 
@@ -36,7 +37,7 @@ public:
     std::vector<Twist> set_inertias(Inside& inside, std::span<const Vector6> wrenches) const;
 
 private:
-    void hold_given(Elimination& matrix, std::span<Vector6> load) const;
+    std::vector<GivenVelocity> given_velocities() const;
 
     const Inside& inside_;
     std::vector<Frame> frames_;

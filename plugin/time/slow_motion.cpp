@@ -2,23 +2,25 @@
 #include "time/slow_motion.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "core/rounding.h"
 #include "time/inside_math.h"
 
 namespace dttmm::plugin {
 
 namespace {
 
-/// So slow [1/s] that springs alone resist; 1e-2 to 1e-6 pass the same tests.
-constexpr double kSlowRate = 1e-4;
+/// Rate of the motion [1/s]. A spring that makes its frames swing at ω costs about 3/log10(1 + ω²/s²) more solutions.
+constexpr double kRate = 1e-2;
 
-/// Of one joint, in the axes of its frames.
-EndBlocks dynamic_stiffness(const Mechanism& mechanism, size_t j, const std::vector<Frame>& at, double rate) {
+/// Of one joint, in the axes of its frames. tangent: as Joint::stiffness_tangent() has it.
+template <class Tangent>
+EndBlocks end_blocks(const Mechanism& mechanism, size_t j, const std::vector<Frame>& at, const Tangent& tangent) {
     const Joint& joint = mechanism.joints[j];
     const auto [from, to] = ends(joint, at);
     const JointPose pose = joint.pose(from, to);
-    const Vector6 x = joint.deformation(pose, from, to);
-    EndBlocks K = joint.stiffness(pose, joint.stiffness_tangent(x, mechanism.memory(j)) + rate * joint.damping_tangent(x));
+    EndBlocks K = joint.stiffness(pose, tangent(joint, joint.deformation(pose, from, to)));
     const Matrix3 R[2] = {from.axes(), to.axes()};
     for (int i : {0, 1})
         for (int k : {0, 1})
@@ -30,20 +32,20 @@ EndBlocks dynamic_stiffness(const Mechanism& mechanism, size_t j, const std::vec
     return K;
 }
 
-/// Adds to every inertia so much that it shows beside the stiffness that holds its frame: in a slow motion it may otherwise
-/// vanish in rounding, and a motion that nothing else resists be undetermined.
-void make_heavier(const Inside& inside, Elimination& matrix) {
-    constexpr double kLeastShare = 1e-9;  // with 1e-11 rigid directions are lost to 1e-3 in rods of a centimetre
-    for (int i = 0; i < inside.count; ++i) {
-        const Matrix6 own = matrix.diagonal(i);
-        const double shift = own.topLeftCorner<3, 3>().trace(), arm = inside.reach[as_size(i)];
-        const double held[2] = {shift, std::max(own.bottomRightCorner<3, 3>().trace(), arm * arm * shift)};
-        Vector6 more = Vector6::Zero();
-        for (int half : {0, 1})
-            if (!inside.massless.is_massless(as_size(i), half))
-                more.segment<3>(3 * half).setConstant(kLeastShare * held[half]);
-        matrix.add_diagonal(i, more.asDiagonal());
-    }
+EndBlocks springs_of(const Mechanism& mechanism, size_t j, const std::vector<Frame>& at) {
+    return end_blocks(mechanism, j, at,
+                      [&](const Joint& joint, const Vector6& x) { return joint.stiffness_tangent(x, mechanism.memory(j)); });
+}
+
+EndBlocks dampers_of(const Mechanism& mechanism, size_t j, const std::vector<Frame>& at, double rate) {
+    return end_blocks(mechanism, j, at,
+                      [&](const Joint& joint, const Vector6& x) { return Matrix6(rate * joint.damping_tangent(x)); });
+}
+
+EndBlocks dynamic_stiffness(const Mechanism& mechanism, size_t j, const std::vector<Frame>& at, double rate) {
+    return end_blocks(mechanism, j, at, [&](const Joint& joint, const Vector6& x) {
+        return Matrix6(joint.stiffness_tangent(x, mechanism.memory(j)) + rate * joint.damping_tangent(x));
+    });
 }
 
 }  // namespace
@@ -64,20 +66,66 @@ void form_dynamic_stiffness(const Inside& inside, const std::vector<Frame>& at, 
 }
 
 SlowMotion::SlowMotion(const Inside& inside, const Elimination& pattern, const std::vector<Frame>& at,
-                       const std::function<void(Elimination&)>& hold)
-    : inside_(inside), at_(at), matrix_(pattern) {
-    for (size_t j : inside.port_joints) at_ports_.push_back(dynamic_stiffness(inside.mechanism, j, at, kSlowRate));
-    form_dynamic_stiffness(inside, at, kSlowRate, matrix_);
-    hold(matrix_);
+                       std::vector<GivenVelocity> given)
+    : inside_(inside), at_(at), given_(std::move(given)), matrix_(pattern) {
+    for (size_t j : inside.port_joints)
+        at_ports_.push_back({springs_of(inside.mechanism, j, at), dampers_of(inside.mechanism, j, at, kRate)});
+    form_dynamic_stiffness(inside, at, kRate, matrix_);
+    hold_given();
     if (!matrix_.factor()) return;
-    form_dynamic_stiffness(inside, at, kSlowRate, matrix_);
-    make_heavier(inside, matrix_);
-    hold(matrix_);
+    form_dynamic_stiffness(inside, at, kRate, matrix_);
+    make_heavier();
+    hold_given();
     factor_or_refuse(inside.mechanism, matrix_, DTTMM_ERROR_SINGULAR);
 }
 
-void SlowMotion::follow(std::span<Vector6> motion, std::span<double> q) const {
-    const auto inner = inside_.inner(motion);
+/// Adds to every inertia so much that it shows beside the stiffness that holds its frame: in a slow motion it may otherwise
+/// vanish in rounding, and a motion that nothing else resists be undetermined.
+void SlowMotion::make_heavier() {
+    constexpr double kLeastShare = 1e-9;
+    heavier_.assign(inside_.inertias.size(), Vector6::Zero());
+    for (size_t i = 0; i < heavier_.size(); ++i) {
+        const Matrix6& own = matrix_.diagonal(as_int(i));
+        const double shift = own.topLeftCorner<3, 3>().trace(), arm = inside_.reach[i];
+        const double held[2] = {shift, std::max(own.bottomRightCorner<3, 3>().trace(), arm * arm * shift)};
+        for (int half : {0, 1})
+            if (!inside_.massless.is_massless(i, half))
+                heavier_[i].segment<3>(3 * half).setConstant(kLeastShare * held[half]);
+        matrix_.add_diagonal(as_int(i), heavier_[i].asDiagonal());
+    }
+}
+
+/// The stiffness of the rows of given velocities.
+void SlowMotion::hold_given() {
+    constexpr double kHold = 1e4;  // of the frame's own: a solution then leaves at most 1e-4 of what was open
+    // Of a frame that has none of its own, as one that rigid directions alone hold: that of the others
+    Eigen::Vector2d largest(0, 0);
+    const auto own_of = [&](int i) {
+        const Matrix6& own = matrix_.diagonal(i);
+        return Eigen::Vector2d(own.topLeftCorner<3, 3>().trace(), own.bottomRightCorner<3, 3>().trace());
+    };
+    for (int i = 0; !given_.empty() && i < inside_.count; ++i) largest = largest.cwiseMax(own_of(i));
+    rows_.clear();
+    for (const GivenVelocity& given : given_) {
+        Eigen::Vector2d held = own_of(as_int(given.inner));
+        for (int half : {0, 1})
+            if (!(held(half) > 0)) held(half) = largest(half) > 0 ? largest(half) : 1;
+        const double translation = kHold * held(0);
+        // What holds the translation at a lever turns the frame too, and must not drown what holds the rotation
+        const double rotation = std::max(kHold * held(1), given.offset.squaredNorm() * translation);
+        Row& row = rows_.emplace_back();
+        // v_node = v − offset × ω in the frame's axes
+        row.G.setIdentity();
+        row.G.topRightCorner<3, 3>() = -skew(given.offset);
+        row.weight << Vector3::Constant(translation), Vector3::Constant(rotation);
+        matrix_.add_diagonal(as_int(given.inner), row.G.transpose() * row.weight.asDiagonal() * row.G);
+    }
+}
+
+/// The load on the inside by the ports; with_dampers: they, too, pull it along.
+void SlowMotion::load_by_ports(std::span<const Vector6> motion, bool with_dampers, std::span<Vector6> load,
+                               std::span<double> q) const {
+    std::ranges::fill(load, Vector6::Zero());
     std::ranges::fill(q, 0.0);
     for (size_t k = 0; k < inside_.port_joints.size(); ++k) {
         const size_t j = inside_.port_joints[k];
@@ -85,13 +133,71 @@ void SlowMotion::follow(std::span<Vector6> motion, std::span<double> q) const {
         for (int end : {0, 1}) {
             if (joint.frame(end) >= inside_.ports) continue;
             const Vector6& u = motion[as_size(joint.frame(end))];
-            const int other = joint.frame(1 - end);
-            if (inside_.is_inner(other)) inner[inside_.at(other)] -= at_ports_[k].at[1 - end][end] * u;
+            if (const int other = joint.frame(1 - end); inside_.is_inner(other)) {
+                Vector6& on_other = load[inside_.at(other)];
+                on_other -= at_ports_[k].springs.at[1 - end][end] * u;
+                if (with_dampers) on_other -= at_ports_[k].dampers.at[1 - end][end] * u;
+            }
             for_each_rigid(joint,
                            [&](int i, int) { q[inside_.rigid_row(j, i)] -= matrix_.rigid(as_int(j), i, end).dot(u); });
         }
     }
-    matrix_.solve(inner, q);
+}
+
+/// What masses, with_dampers: and dampers, would exert on the inside against a motion of it, with the ports at rest.
+void SlowMotion::add_resistance(std::span<const Vector6> motion, bool with_dampers, std::span<Vector6> load) const {
+    const Mechanism& mechanism = inside_.mechanism;
+    for (size_t i = 0; i < load.size(); ++i) {
+        load[i] += kRate * kRate * mass_matrix(inside_.inertias[i]) * motion[i];
+        if (!heavier_.empty()) load[i] += heavier_[i].cwiseProduct(motion[i]);
+    }
+    for (size_t j = 0; with_dampers && j < mechanism.joints.size(); ++j) {
+        const Joint& joint = mechanism.joints[j];
+        if (!joint.is_damped()) continue;
+        const EndBlocks C = dampers_of(mechanism, j, at_, kRate);
+        for (int row : {0, 1})
+            for (int column : {0, 1})
+                if (inside_.is_inner(joint.frame(row)) && inside_.is_inner(joint.frame(column)))
+                    load[inside_.at(joint.frame(row))] += C.at[row][column] * motion[inside_.at(joint.frame(column))];
+    }
+}
+
+/// Of the motions of the inner frames [m/s], rotations at the reach of the frame.
+double SlowMotion::largest(std::span<const Vector6> of_inner) const {
+    double size = 0;
+    for (size_t i = 0; i < of_inner.size(); ++i)
+        size = std::max(
+            {size, of_inner[i].head<3>().norm(), std::max(inside_.reach[i], 1e-300) * of_inner[i].tail<3>().norm()});
+    return size;
+}
+
+void SlowMotion::follow(std::span<Vector6> motion, std::span<double> q) const {
+    std::ranges::fill(inside_.inner(motion), Vector6::Zero());
+    settle(false, motion, q);
+    if (std::ranges::any_of(inside_.mechanism.joints, &Joint::is_damped)) settle(true, motion, q);
+}
+
+/// Repeats the solution about the one before until nothing changes. by_springs: dampers, too, count for the proximal term
+/// alone; otherwise masses do.
+void SlowMotion::settle(bool by_springs, std::span<Vector6> motion, std::span<double> q) const {
+    const auto inner = inside_.inner(motion);
+    std::vector<Vector6> next(inner.size()), multipliers(given_.size(), Vector6::Zero());
+    double change = 0;
+    for (int pass = 0; pass < kMostPassesOfStep; ++pass) {
+        load_by_ports(motion, !by_springs, next, q);
+        add_resistance(inner, by_springs, next);
+        for (size_t k = 0; k < given_.size(); ++k)
+            next[given_[k].inner] +=
+                rows_[k].G.transpose() * (rows_[k].weight.cwiseProduct(given_[k].value) + multipliers[k]);
+        matrix_.solve(next, q);
+        for (size_t k = 0; k < given_.size(); ++k)
+            multipliers[k] += rows_[k].weight.cwiseProduct(given_[k].value - rows_[k].G * next[given_[k].inner]);
+        for (size_t i = 0; i < next.size(); ++i) inner[i] = next[i] - inner[i];
+        const double before = std::exchange(change, largest(inner));
+        std::ranges::copy(next, inner.begin());
+        if (change <= kRoundingOfSums * largest(inner)) return;
+        if (pass > 1 && change > 0.5 * before) return;  // rounding, or what holds it is next to nothing
+    }
 }
 
 void SlowMotion::write_stiffness(double* stiffness) const {
@@ -112,7 +218,7 @@ void SlowMotion::write_stiffness(double* stiffness) const {
                 const int frame = joint.frame(row);
                 if (frame >= inside_.ports) continue;
                 Vector6 force = Vector6::Zero();
-                for (int end : {0, 1}) force += at_ports_[k].at[row][end] * motion[as_size(joint.frame(end))];
+                for (int end : {0, 1}) force += at_ports_[k].springs.at[row][end] * motion[as_size(joint.frame(end))];
                 for_each_rigid(joint,
                                [&](int i, int) { force += matrix_.rigid(as_int(j), i, row) * q[inside_.rigid_row(j, i)]; });
                 S.block<6, 1>(6 * frame, column) += in_world(at_[as_size(frame)], force);

@@ -16,6 +16,7 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks)
       convergence_(model, networks, equations_.joint_system()),
       joints_(model.joints),
       have_loop_(form_loop(model.joints)),
+      singular_(equations_.joint_system(), have_loop_),
       stops_(model.joints.size()),
       stops_before_(model.joints.size()),
       reached_(model.joints.size()),
@@ -96,17 +97,15 @@ bool EndOfStep::find_end(const std::vector<BodyState>& now, Networks& networks) 
         if (pass == 0 && has_joints) see_singular_position(now, networks);
         // Where springs have kinks, Newton's tangents may lead from one side to the other for ever
         const bool parts_done = convergence_.judge_parts(networks);
-        const bool may_go_back = !has_joints && (!parts_done || has_gone_back);
+        const bool may_go_back = !parts_done || has_gone_back;
         if (may_go_back && pass > 0 && go_back(now)) {
             has_gone_back = true;
             --pass;  // halving ends where the correction is no longer felt
             continue;
         }
-        if (may_go_back) {
-            base_u_ = equations_.u();
-            base_residual_ = equations_.residual(now, wrenches_);
-        }
+        if (may_go_back) base_u_ = equations_.u();
         equations_.correct(now, trial_, wrenches_);
+        if (may_go_back) base_residual_ = equations_.residual(now, base_u_, wrenches_);
         if (has_joints) convergence_.add_rounding(equations_.joint_system(), equations_.matrix(), equations_.impulses());
         const bool done = judge(pass);
         if (!done || pass < first_trusted || !parts_done) continue;
@@ -191,7 +190,7 @@ void EndOfStep::see_singular_position(const std::vector<BodyState>& now, Network
 /// Newton's correction small enough makes it better.
 bool EndOfStep::go_back(const std::vector<BodyState>& now) {
     BodyVectors& u = equations_.u();
-    if (!convergence_.is_felt(u, base_u_) || equations_.residual(now, wrenches_) <= base_residual_) return false;
+    if (!convergence_.is_felt(u, base_u_) || equations_.residual(now, u, wrenches_) <= base_residual_) return false;
     bool is_moved = false;  // not where the two are neighbouring numbers
     for (size_t b = 0; b < u.size(); ++b) {
         const Eigen::Matrix<double, 6, 1> half = 0.5 * (u[b] + base_u_[b]);

@@ -99,9 +99,9 @@ private:
 
     StepEquations equations_;
     StepConvergence convergence_;
-    SingularPosition singular_;
     std::vector<Joint> joints_;
     bool have_loop_;
+    SingularPosition singular_;
     std::vector<Stop> stops_;         ///< that act over the open step
     std::vector<Stop> stops_before_;  ///< that acted over the step before
     std::vector<Stop> reached_;       ///< at t_n

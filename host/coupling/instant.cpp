@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "model/diagnostics.h"
@@ -23,8 +24,20 @@ bool turns_or_drives(const Joint& joint) {
     return (joint.type != JointType::slider && joint.type != JointType::fixed) || joint.drive;
 }
 
-bool always_has_means(const Model& model) {
-    return model.simulation.spectral_radius < 1 || std::ranges::any_of(model.joints, turns_or_drives);
+/// Of every body, whether its velocities are means in all rows: joints tie it to one that turns or has a motor, or the
+/// scheme damps.
+std::vector<bool> have_means(const Model& model) {
+    std::vector<bool> means(model.bodies.size(), model.simulation.spectral_radius < 1);
+    const auto has = [&](int body) { return body >= 0 && means[as_size(body)]; };
+    for (bool is_new = true; is_new;) {
+        is_new = false;
+        for (const Joint& joint : model.joints) {
+            if (!turns_or_drives(joint) && !has(joint.first) && !has(joint.second)) continue;
+            for (const int body : {joint.first, joint.second})
+                if (body >= 0 && !has(body)) is_new = means[as_size(body)] = true;
+        }
+    }
+    return means;
 }
 
 /// Refuses velocities at the start that open a joint, by more than rounding of places over a step of size h.
@@ -60,13 +73,13 @@ std::vector<Stop> stops_at_start(const JointSystem& joints, const std::vector<Bo
 }  // namespace
 
 bool has_mean_velocities(const Model& model) {
-    return always_has_means(model) ||
+    return model.simulation.spectral_radius < 1 || std::ranges::any_of(have_means(model), std::identity()) ||
            std::ranges::any_of(model.joints, [](const Joint& joint) { return joint.limits.has_value(); });
 }
 
 InstantSolver::InstantSolver(const Model& model)
     : inertias_(model.bodies.begin(), model.bodies.end()),
-      has_means_(always_has_means(model)),
+      have_means_(have_means(model)),
       wrenches_(6 * model.bodies.size()),
       trial_wrenches_(wrenches_),
       matrix_(model.joints.empty() ? 0 : as_int(model.bodies.size()), {}, JointSystem(model.bodies, model.joints).nodes()),
@@ -121,7 +134,7 @@ const Instant& InstantSolver::solve(double time, const StepEquations& step, cons
     if (networks.is_implicit()) networks.add_mean_wrenches(wrenches_.data());
     if (time == start_time_) {
         instant_.at = start_;  // the initial conditions
-    } else if (networks.is_implicit() && !is_impact && !has_means_) {
+    } else if (networks.is_implicit() && !is_impact && std::ranges::any_of(have_means_, std::logical_not())) {
         loads.add_mean(now, wrenches_.data());
         find_velocities(after, step.joint_system());
     }
@@ -206,6 +219,7 @@ void InstantSolver::find_velocities(const std::vector<BodyState>& after, const J
     if (joints.empty()) return;
     solve_balance(joints);
     for (size_t b = 0; b < after.size(); ++b) {
+        if (have_means_[b]) continue;
         const auto u = solution_.segment<6>(matrix_.index(as_int(b)));
         instant_.at[b].velocity = u.head<3>();
         instant_.at[b].angular_velocity = u.tail<3>();

@@ -45,8 +45,8 @@ public:
     /// What stands at t_n, the start of the step last committed, `step`; then the networks stand there too. now: poses at
     /// t_n, velocities over the step before; after: those over the step. Velocities are the means of those over the two
     /// steps
-    ///   - where joints turn: J at t_n would share the turning over half a step between a heavy body and one that is stiffly
-    ///     held,
+    ///   - of bodies that joints tie to one that turns: J at t_n would share the turning over half a step between a heavy
+    ///     body and one that is stiffly held,
     ///   - with numerical damping: v_n = v_{n+1/2} − h [(1/2 − β) a_n + β a_{n+1}], and a_n depends on v_n by the dampers,
     ///   - in the row of an impact on a stop, with an explicit scheme, and where a plugin does not tell what stands.
     /// In the row of an impact, and for such a plugin, accelerations and joint forces are the means over these steps too,
@@ -69,7 +69,7 @@ private:
 
     std::vector<Inertia> inertias_;
     std::vector<Eigen::Matrix3d> inverse_moments_;  ///< of inertia, body axes
-    bool has_means_;  ///< of velocities: some joint leaves a rotation free or has a motor, or the scheme damps
+    std::vector<bool> have_means_;                  ///< of velocities in all rows, of every body
     double h_ = 0, start_time_ = 0;
     std::vector<BodyState> start_;  ///< as given
     Instant instant_;

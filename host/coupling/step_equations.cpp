@@ -137,12 +137,11 @@ size_t StepEquations::least_held(const std::vector<BodyState>& now) const {
 }
 
 /// P− + h f − P(u)
-Eigen::Matrix<double, 6, 1> StepEquations::residual_of(size_t body, const BodyState& now,
-                                                       const std::vector<double>& wrenches) const {
-    Eigen::Matrix<double, 6, 1> r =
-        free_momentum_[body] + h_ * Eigen::Map<const Eigen::Matrix<double, 6, 1>>(&wrenches[6 * body]);
-    r.head<3>() -= inertias_[body].mass * u_[body].head<3>();
-    r.tail<3>() -= inertias_[body].momentum_over_step(now.rotation, u_[body].tail<3>(), h_);
+StepEquations::Momentum StepEquations::residual_of(size_t body, const BodyState& now, const Momentum& u,
+                                                   const std::vector<double>& wrenches) const {
+    Momentum r = free_momentum_[body] + h_ * Eigen::Map<const Momentum>(&wrenches[6 * body]);
+    r.head<3>() -= inertias_[body].mass * u.head<3>();
+    r.tail<3>() -= inertias_[body].momentum_over_step(now.rotation, u.tail<3>(), h_);
     return r;
 }
 
@@ -150,7 +149,7 @@ void StepEquations::correct(const std::vector<BodyState>& now, const std::vector
                             const std::vector<double>& wrenches) {
     for (size_t b = 0; b < now.size(); ++b)
         right_hand_side_.segment<6>(matrix_.index(as_int(b))) =
-            turned(turns_[b].since.transpose(), residual_of(b, now[b], wrenches));
+            turned(turns_[b].since.transpose(), residual_of(b, now[b], u_[b], wrenches));
     if (!joints_.empty()) {
         joints_.add_impulses(matrix_, impulses_, right_hand_side_);
         joints_.write_openings(matrix_, end, h_, right_hand_side_);
@@ -163,9 +162,14 @@ void StepEquations::correct(const std::vector<BodyState>& now, const std::vector
     }
 }
 
-double StepEquations::residual(const std::vector<BodyState>& now, const std::vector<double>& wrenches) const {
+double StepEquations::residual(const std::vector<BodyState>& now, const BodyVectors& u,
+                               const std::vector<double>& wrenches) {
+    for (size_t b = 0; b < now.size(); ++b)
+        right_hand_side_.segment<6>(matrix_.index(as_int(b))) = residual_of(b, now[b], u[b], wrenches);
+    if (!joints_.empty()) joints_.add_impulses(matrix_, impulses_, right_hand_side_);
     double sum = 0;
-    for (size_t b = 0; b < now.size(); ++b) sum += inertias_[b].energy_of(now[b].rotation, residual_of(b, now[b], wrenches));
+    for (size_t b = 0; b < now.size(); ++b)
+        sum += inertias_[b].energy_of(now[b].rotation, right_hand_side_.segment<6>(matrix_.index(as_int(b))));
     return sum;
 }
 

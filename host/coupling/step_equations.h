@@ -65,8 +65,9 @@ public:
 
     /// One correction K⁻¹ (P− + h f − P(u)) of u; with joints, likewise of u and q. end: the bodies at the end of the step.
     void correct(const std::vector<BodyState>& now, const std::vector<BodyState>& end, const std::vector<double>& wrenches);
-    /// The residual r of the equations of motion at u, as ½ rᵀ M⁻¹ r [J]; without joints.
-    double residual(const std::vector<BodyState>& now, const std::vector<double>& wrenches) const;
+    /// What lacks in the equations of motion at a u, r, as ½ rᵀ M⁻¹ r [J], with the impulses q at hand. Of the u before a
+    /// correction, after it: q is then what closes the joints along the whole way.
+    double residual(const std::vector<BodyState>& now, const BodyVectors& u, const std::vector<double>& wrenches);
     /// What makes ODE move the bodies by u; its joints add their own impulses, which have no stops.
     void write_feedback(const std::vector<BodyState>& now, BodyVectors& feedback);
 
@@ -109,7 +110,8 @@ private:
     int stop_index(size_t joint) const;  ///< of the equation of its stop or motor
     double coordinate_work(const std::vector<BodyState>& now, const std::vector<BodyState>& end,
                            bool (JointEquations::*counts)() const) const;
-    Eigen::Matrix<double, 6, 1> residual_of(size_t body, const BodyState& now, const std::vector<double>& wrenches) const;
+    using Momentum = Eigen::Matrix<double, 6, 1>;
+    Momentum residual_of(size_t body, const BodyState& now, const Momentum& u, const std::vector<double>& wrenches) const;
 
     double h_ = 0;
     std::vector<Inertia> inertias_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "world/singular_position.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -17,31 +16,14 @@ namespace {
 
 constexpr Eigen::Index kMostEquations = 1000;  // a decomposition of them takes a second
 
-/// J of the equations that always hold, by velocities and angular velocities times the longest arm.
-Eigen::MatrixXd jacobian(const std::vector<JointEquations>& joints, const std::vector<BodyState>& at) {
-    Eigen::Index rows = 0;
-    int bodies = 0;
-    double arm = 0;
-    for (const JointEquations& joint : joints) {
-        rows += joint.lasting();
-        for (const auto side : JointEquations::kSides) {
-            bodies = std::max(bodies, joint.bodies()[side] + 1);
-            if (joint.bodies()[side] >= 0) arm = std::max(arm, joint.arm(side));
-        }
-    }
-    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(rows, 6 * bodies);
-    Eigen::Index row = 0;
-    for (const JointEquations& joint : joints) {
-        const JointEquations::Jacobian sides = joint.jacobian(at);
-        for (const auto side : JointEquations::kSides) {
-            if (joint.bodies()[side] < 0) continue;
-            auto block = J.block(row, 6 * joint.bodies()[side], joint.lasting(), 6);
-            block = sides[side].topRows(joint.lasting());
-            if (arm > 0) block.rightCols<3>() /= arm;
-        }
-        row += joint.lasting();
-    }
-    return J;
+/// Of an equation from the span of those before: there E is the square root of itself over the distance squared, and half of
+/// its digits hide. 0.003 to 0.06 pass the tests.
+double hidden_distance() { return std::sqrt(std::sqrt(JointSystem::kProximal)); }
+
+Eigen::Index count_equations(const std::vector<JointEquations>& joints) {
+    Eigen::Index count = 0;
+    for (const JointEquations& joint : joints) count += joint.lasting();
+    return count;
 }
 
 }  // namespace
@@ -60,11 +42,58 @@ bool form_loop(const std::vector<Joint>& joints) {
     return false;
 }
 
-void SingularPosition::open() { before_ = std::exchange(found_, {}); }
+SingularPosition::SingularPosition(const JointSystem& joints, bool have_loop) {
+    for (const JointEquations& joint : joints.joints())
+        for (const auto side : JointEquations::kSides)
+            if (joint.bodies()[side] >= 0) longest_arm_ = std::max(longest_arm_, joint.arm(side));
+    const Eigen::Index equations = count_equations(joints.joints());
+    if (have_loop && equations <= kMostEquations) make_room(joints.joints(), equations);
+}
+
+void SingularPosition::make_room(const std::vector<JointEquations>& joints, Eigen::Index equations) {
+    if (half_.cols() == equations) return;
+    int bodies = 0;
+    for (const JointEquations& joint : joints)
+        for (const auto side : JointEquations::kSides) bodies = std::max(bodies, joint.bodies()[side] + 1);
+    for (Eigen::MatrixXd* list : {&half_, &end_}) list->setZero(6 * bodies, equations);
+    found_.let_go.reserve(joints.size());
+    before_.let_go.reserve(joints.size());
+    order_.resize(equations);
+    pivoted_ = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(half_.rows(), half_.cols());
+}
+
+void SingularPosition::open() {
+    std::swap(before_, found_);
+    found_.clear();
+}
+
+void SingularPosition::Found::clear() {
+    is_near = is_clear = false;
+    let_go.clear();
+    least = 1;
+}
+
+/// A column per equation that always holds: its derivatives by velocities, and by angular velocities times the longest arm.
+/// sign: 1 to set it, −1 to take it off.
+void SingularPosition::write_columns(const std::vector<JointEquations>& joints, const std::vector<BodyState>& at,
+                                     double sign, Eigen::MatrixXd& columns) const {
+    if (sign > 0) columns.setZero();
+    Eigen::Index column = 0;
+    for (const JointEquations& joint : joints) {
+        const JointEquations::Jacobian sides = joint.jacobian(at);
+        for (const auto side : JointEquations::kSides) {
+            if (joint.bodies()[side] < 0) continue;
+            auto block = columns.block(6 * joint.bodies()[side], column, 6, joint.lasting());
+            const auto own = sides[side].topRows(joint.lasting()).transpose();
+            block.topRows<3>() += sign * own.topRows(3);
+            block.bottomRows<3>() += (longest_arm_ > 0 ? sign / longest_arm_ : sign) * own.bottomRows(3);
+        }
+        column += joint.lasting();
+    }
+}
 
 bool SingularPosition::is_suspected(const JointSystem& joints, const BlockMatrix& matrix, const BlockFactor& factor) {
-    // There E is the square root of itself over the distance squared: half of its digits hide. 0.003 to 0.06 pass the tests
-    const double hidden = std::sqrt(std::sqrt(JointSystem::kProximal));
+    const double hidden = hidden_distance();
     distances_.resize(as_size(matrix.size()));
     bool is_suspected = before_.is_near;
     for (size_t j = 0; j < joints.joints().size(); ++j)
@@ -83,7 +112,11 @@ bool SingularPosition::is_suspected(const JointSystem& joints, const BlockMatrix
 
 void SingularPosition::find(const JointSystem& joints, const std::vector<BodyState>& now, const std::vector<BodyState>& half,
                             const std::vector<BodyState>& end) {
-    found_ = decide(joints.joints(), now, half, end);
+    decide(joints.joints(), now, half, end);
+    // What is hidden here is redundant: it is suspect again where it has shown itself and vanishes
+    if (found_.is_clear)
+        for (Distance& known : distances_)
+            if (known.last == 0) known.largest = 0;
     // ODE's joints are not ours where they stand open: the step that closes them does without
     if (before_.lets_go() && found_.let_go.empty()) found_.let_go.assign(joints.joints().size(), 0);
 }
@@ -98,44 +131,49 @@ void SingularPosition::count(double time) {
     if (passed_.steps++ == 0) passed_ = {1, time, static_cast<size_t>(joint - found_.let_go.begin())};
 }
 
-SingularPosition::Found SingularPosition::decide(const std::vector<JointEquations>& joints,
-                                                 const std::vector<BodyState>& now, const std::vector<BodyState>& half,
-                                                 const std::vector<BodyState>& end) {
+void SingularPosition::decide(const std::vector<JointEquations>& joints, const std::vector<BodyState>& now,
+                              const std::vector<BodyState>& half, const std::vector<BodyState>& end) {
     // Rows at a smaller distance from the span of others say nothing: rounding of a sum of all; 1e-6 fails
     constexpr double kRedundant = kMostEquations * kRounding;
-    Eigen::Index equations = 0;
-    for (const JointEquations& joint : joints) equations += joint.lasting();
-    if (equations == 0 || equations > kMostEquations) return {};
-    // A column per equation, of length one half way
-    Eigen::MatrixXd A = jacobian(joints, half).transpose(), B = jacobian(joints, end).transpose();
-    const Eigen::RowVectorXd lengths = A.colwise().norm();
-    const Eigen::MatrixXd turned = B - jacobian(joints, now).transpose();
-    const double change = (turned.array().rowwise() / lengths.array()).matrix().colwise().norm().maxCoeff();
-    if (change > kSlowOnJoints) return {};  // a step that turns joints by more [rad] decides about none
-    A.array().rowwise() /= lengths.array();
-    B.array().rowwise() /= lengths.array();
+    const Eigen::Index equations = count_equations(joints);
+    if (equations == 0 || equations > kMostEquations) return;
+    make_room(joints, equations);
+    write_columns(joints, half, 1, half_);
+    write_columns(joints, end, 1, end_);
+    write_columns(joints, now, -1, end_);
+    double change = 0;
+    for (Eigen::Index i = 0; i < equations; ++i) change = std::max(change, end_.col(i).norm() / half_.col(i).norm());
+    if (change > kSlowOnJoints) return;  // a step that turns joints by more [rad] decides about none
+    // Of length one half way
+    write_columns(joints, end, 1, end_);
+    for (Eigen::Index i = 0; i < equations; ++i) {
+        const double length = half_.col(i).norm();
+        half_.col(i) /= length;
+        end_.col(i) /= length;
+    }
     // With pivoting, the diagonal of R has the distance of each column from the span of those before
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> middle(A), finish(B);
-    const auto rank = [](const auto& qr, double least) {
-        const Eigen::Index count = std::min(qr.matrixQR().rows(), qr.matrixQR().cols());
-        return (qr.matrixQR().diagonal().head(count).array().abs() > least).count();
+    const auto rank = [&](double least) {
+        const Eigen::Index count = std::min(pivoted_.matrixQR().rows(), pivoted_.matrixQR().cols());
+        return (pivoted_.matrixQR().diagonal().head(count).array().abs() > least).count();
     };
+    pivoted_.compute(end_);
+    const Eigen::Index told_apart_at_end = rank(kRedundant);
+    pivoted_.compute(half_);
+    order_ = pivoted_.colsPermutation().indices();
     const double hidden = std::sqrt(JointSystem::kProximal / kSlowOnJoints);  // nearer, E makes a pass slow
-    const Eigen::Index kept = rank(middle, std::max(0.5 * change / std::sqrt(kSlowOnJoints), hidden));
-    const bool all_decided = kept >= std::max(rank(middle, kRedundant), rank(finish, kRedundant));
-    Found found;
-    if (kept > 0) found.least = std::abs(middle.matrixQR()(kept - 1, kept - 1));
-    found.is_near = !all_decided || found.least < change / kSlowOnJoints;
-    if (all_decided) return found;
-    found.let_go.assign(joints.size(), 0);
-    const auto& order = middle.colsPermutation().indices();
-    for (Eigen::Index i = kept; i < order.size(); ++i) {
-        Eigen::Index row = order(i);
+    const Eigen::Index kept = rank(std::max(0.5 * change / std::sqrt(kSlowOnJoints), hidden)), told_apart = rank(kRedundant);
+    const bool all_decided = kept >= std::max(told_apart, told_apart_at_end);
+    if (kept > 0) found_.least = std::abs(pivoted_.matrixQR()(kept - 1, kept - 1));
+    found_.is_near = !all_decided || found_.least < change / kSlowOnJoints;
+    found_.is_clear = !found_.is_near && kept == told_apart && found_.least > hidden_distance();
+    if (all_decided) return;
+    found_.let_go.assign(joints.size(), 0);
+    for (Eigen::Index i = kept; i < order_.size(); ++i) {
+        Eigen::Index row = order_(i);
         size_t j = 0;
         for (; row >= joints[j].lasting(); ++j) row -= joints[j].lasting();
-        found.let_go[j] |= 1u << row;
+        found_.let_go[j] |= 1u << row;
     }
-    return found;
 }
 
 }  // namespace dttmm::host

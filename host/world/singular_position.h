@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/QR>
 #include <vector>
 
 #include "model/model.h"
@@ -22,11 +23,14 @@ bool form_loop(const std::vector<Joint>& joints);
 /// momentum, and the steps that follow close the joint, as C is of second order in what they have moved.
 class SingularPosition {
 public:
+    /// have_loop: of the joints; where they have none there is next to nothing to find, and room for it is made late.
+    SingularPosition(const JointSystem& joints, bool have_loop);
+
     /// Opens a solution of a step: all equations hold, the matrix is that at t_n.
     void open();
     /// Whether find() is worth its time, as it takes decompositions of all equations: the step before was near a singular
     /// position, or an equation's distance from the span of those before, which the factor of the matrix has, changes fast
-    /// from step to step, or has vanished. Stores the distances.
+    /// from step to step, or has vanished without being redundant. Stores the distances.
     bool is_suspected(const JointSystem& joints, const BlockMatrix& matrix, const BlockFactor& factor);
     /// Decides about the step whose bodies stand at `now`, half way and at its end. Beyond 1000 equations nothing is near.
     void find(const JointSystem& joints, const std::vector<BodyState>& now, const std::vector<BodyState>& half,
@@ -55,10 +59,15 @@ private:
         bool is_near = false;
         LetGo let_go;
         double least = 1;
+        bool is_clear = false;  ///< every equation is either redundant or far from the span of the others
         bool lets_go() const;
+        void clear();
     };
-    static Found decide(const std::vector<JointEquations>& joints, const std::vector<BodyState>& now,
-                        const std::vector<BodyState>& half, const std::vector<BodyState>& end);
+    void make_room(const std::vector<JointEquations>& joints, Eigen::Index equations);
+    void write_columns(const std::vector<JointEquations>& joints, const std::vector<BodyState>& at, double sign,
+                       Eigen::MatrixXd& columns) const;
+    void decide(const std::vector<JointEquations>& joints, const std::vector<BodyState>& now,
+                const std::vector<BodyState>& half, const std::vector<BodyState>& end);
 
     Found found_, before_;  ///< of the open step, and of its solution before
     Passed passed_;
@@ -67,6 +76,11 @@ private:
         double last = 0, largest = 0;
     };
     std::vector<Distance> distances_;  ///< at the matrix's indices
+    double longest_arm_ = 0;           ///< of all joints [m]
+    // Of find():
+    Eigen::MatrixXd half_, end_;
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivoted_;
+    Eigen::VectorXi order_;
 };
 
 }  // namespace dttmm::host

@@ -3,9 +3,11 @@
 // Nothing is allocated in the step loop. Every malloc of this executable is counted while a step runs, the plugin's, ODE's
 // and the recorder's included. Under the address sanitizer, which has a malloc of its own, the test has nothing to count and
 // is left out.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <string>
 
 #include "model/read_model.h"
 #include "record/recorder.h"
@@ -130,6 +132,38 @@ TEST(Allocation, SupportsThatMoveAllocateNothing) {
     Recorder recorder(simulation.channels());
     simulation.record_to([&](std::span<const double> row) { recorder.close_row(row); });
     for (int n = 0; n < 3; ++n) simulation.step();
+    const long before = allocations;
+    for (int n = 0; n < 2000; ++n) simulation.step();
+    EXPECT_EQ(allocations - before, 0);
+}
+
+// The same with a linkage in a plane: its hinges say the same several times, and which of their equations does changes.
+TEST(Allocation, ARedundantLinkageAllocatesNothing) {
+    const Plugins plugins;
+    std::string text = "format = \"dttmm/1\"\n[simulation]\nstep = 1e-3\nduration = 10\ngravity = [0, -9.81, 0]\n";
+    const auto bar = [&](const char* name, double x0, double y0, double x1, double y1) {
+        text += fmt::format("[[body]]\nname = \"{}\"\nmass = 1.3\ninertia = [0.1, 0.1, 0.1]\nposition = [{}, {}, 0]\n", name,
+                            0.5 * (x0 + x1), 0.5 * (y0 + y1));
+    };
+    const auto hinge = [&](const char* name, const char* from, const char* to, double x, double y) {
+        text += fmt::format(
+            "[[joint]]\nname = \"{}\"\ntype = \"hinge\"\nbetween = [\"{}\", \"{}\"]\nanchor = [{}, {}, 0]\naxis = [0, 0, "
+            "1]\n",
+            name, from, to, x, y);
+    };
+    // A rocker that never comes near a singular position
+    bar("crank", 0, 0, 0.1, 0.4);
+    bar("coupler", 0.1, 0.4, 1.3, 0.9);
+    bar("rocker", 1.3, 0.9, 1.2, 0);
+    hinge("a", "ground", "crank", 0, 0);
+    hinge("b", "crank", "coupler", 0.1, 0.4);
+    hinge("c", "coupler", "rocker", 1.3, 0.9);
+    hinge("d", "rocker", "ground", 1.2, 0);
+    const Model model = parse_model(text, "linkage.toml", plugins.catalogue());
+    Simulation simulation(model, plugins);
+    Recorder recorder(simulation.channels());
+    simulation.record_to([&](std::span<const double> row) { recorder.close_row(row); });
+    for (int n = 0; n < 100; ++n) simulation.step();
     const long before = allocations;
     for (int n = 0; n < 2000; ++n) simulation.step();
     EXPECT_EQ(allocations - before, 0);

@@ -395,19 +395,34 @@ TEST(LawsWithKinks, ABodyBouncesWithoutGainingEnergy) {
 // Oracle: the energy that the slider takes and the spring keeps; from springs that the step follows to ones 70 times too
 // stiff for it, where Newton's tangents lead from sticking to sliding and back for ever.
 TEST(LawsWithKinks, StiffFrictionIsFound) {
-    for (double stiffness : {1e7, 3e7, 1e8, 1e9, 1e10})
-        for (double speed : {0.02, 0.1, 0.5, 2.0}) {
-            const RecordedRun run(
-                fmt::format("[simulation]\nstep = 1e-3\nduration = 0.02\n[[body]]\nname = \"b\"\nmass = 2\ninertia = [1, 1, "
-                            "1]\nvelocity = [0, 0, {}]\n[[element]]\nname = \"pad\"\ntype = \"spring_damper\"\nfrom = "
-                            "\"ground\"\nto = \"b\"\nz = {{ law = \"jenkins\", stiffness = {}, slip = 1e3 }}\n",
-                            speed, stiffness),
-                {test::paths::jenkins()});
-            const size_t last = run.count() - 1;
-            EXPECT_NEAR(run(last, "energy.kinetic") + run(last, "energy.strain") + run(last, "energy.dissipated"),
-                        speed * speed, 1e-7 * speed * speed)
-                << stiffness << " " << speed;
-        }
+    // A pendulum elsewhere, and a joint that holds the body itself: neither takes anything of its energy
+    const std::string alone,
+        pendulum =
+            "[[body]]\nname = \"p\"\nmass = 1\ninertia = [0.01, 0.01, 0.01]\nposition = [5, 0, 0]\n"
+            "[[joint]]\nname = \"pin\"\ntype = \"hinge\"\nbetween = [\"ground\", \"p\"]\n"
+            "anchor = [5, 0, 0.5]\naxis = [0, 1, 0]\n",
+        slide =
+            "[[joint]]\nname = \"slide\"\ntype = \"slider\"\nbetween = [\"ground\", \"b\"]\n"
+            "axis = [0.6, 0, 0.8]\n";
+    for (const std::string& beside : {alone, pendulum, slide})
+        for (double stiffness : {1e7, 3e7, 1e8, 1e9, 1e10})
+            for (double speed : {0.02, 0.1, 0.5, 2.0}) {
+                const Eigen::Vector3d v =
+                    speed * (beside == slide ? Eigen::Vector3d(0.6, 0, 0.8) : Eigen::Vector3d::UnitZ());
+                const RecordedRun run(
+                    fmt::format(
+                        "[simulation]\nstep = 1e-3\nduration = 0.02\n[[body]]\nname = \"b\"\nmass = 2\ninertia = "
+                        "[1, 1, 1]\nvelocity = [{}, {}, {}]\n[[element]]\nname = \"pad\"\ntype = "
+                        "\"spring_damper\"\nfrom = \"ground\"\nto = \"b\"\nz = {{ law = \"jenkins\", stiffness = {}, "
+                        "slip = 1e3 }}\n{}",
+                        v.x(), v.y(), v.z(), stiffness, beside),
+                    {test::paths::jenkins()});
+                const size_t last = run.count() - 1;
+                EXPECT_NEAR(run(last, "energy.kinetic") + run(last, "energy.strain") + run(last, "energy.dissipated"),
+                            speed * speed, 1e-7 * speed * speed)
+                    << stiffness << " " << speed << "\n"
+                    << beside;
+            }
 }
 
 // The same for masses in a row inside a network, each on a pad of its own: few, whose laws are found together in every step,
@@ -442,6 +457,19 @@ TEST(LawsWithKinks, StiffFrictionInsideANetworkIsFound) {
                                     1e-6 * energy)
                             << count << " " << other << " " << stiffness << " " << speed << " row " << n;
                 }
+}
+
+// Oracle: conservation. A pendulum elsewhere has the means of its velocities in the rows, the body on the spring has not.
+TEST(LawsWithKinks, AJointElsewhereTakesNoEnergy) {
+    const RecordedRun run(
+        "[simulation]\nstep = 1e-3\nduration = 0.1\n[[body]]\nname = \"b\"\nmass = 2\ninertia = [1, 1, 1]\nvelocity = [0, "
+        "0, "
+        "20]\n[[element]]\nname = \"pad\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"b\"\nz = { law = \"cubic\", "
+        "stiffness = 1e3, cubic = 1e9 }\n[[body]]\nname = \"p\"\nmass = 1\ninertia = [0.01, 0.01, 0.01]\nposition = [5, 0, "
+        "0]\n"
+        "[[joint]]\nname = \"pin\"\ntype = \"hinge\"\nbetween = [\"ground\", \"p\"]\nanchor = [5, 0, 0.5]\naxis = [0, 1, "
+        "0]\n");
+    for (size_t n = 0; n < run.count(); ++n) EXPECT_NEAR(run(n, "energy.residual"), 0, 1e-12 * 400) << n;
 }
 
 // Oracle: conservation, where the first of Newton's trials is beyond all bounds: 1e15 N/m³.

@@ -62,7 +62,7 @@ TEST(SingularPosition, IsNotLookedForAmongMoreThanAThousandEquations) {
             return states;
         };
         const JointSystem system(bodies, joints);
-        SingularPosition position;
+        SingularPosition position(system, true);
         position.open();
         position.find(system, at(-0.01), at(0), at(0.01));
         EXPECT_EQ(position.is_near(), 20 + 6 * fixed <= 1000) << fixed;

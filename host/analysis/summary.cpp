@@ -215,6 +215,17 @@ Json describe_shares(const FastestMode& mode) {
 }
 
 /// Of an explicit coupling that something limits; null else.
+/// Why the step with the most passes took them.
+std::string why_worst(const StepReport& worst) {
+    constexpr double kFast = 0.1;  // beyond it a matrix is formed anew
+    if (worst.passes <= 1) return "no step took more than one pass";
+    if (worst.stops > 0) return fmt::format("{} of the joints' stops acted", worst.stops);
+    if (worst.rate > kFast)
+        return fmt::format("a pass left {:.2g} of the correction before: forces or turns are far from linear over the step",
+                           worst.rate);
+    return "a correction that falls fast, but from a large one";
+}
+
 Json describe_limit(const Simulation& simulation) {
     const auto& limit = simulation.explicit_limit();
     if (!limit || limit->load == 0) return nullptr;
@@ -362,8 +373,11 @@ void write_run(JsonWriter& out, const Model& model, const Request& request, cons
                               {"time", worst.time},
                               {"passes", worst.passes},
                               {"factorisations", worst.factorisations},
+                              {"inside_factorisations", worst.inside_factorisations},
                               {"rate", worst.rate},
-                              {"waited_for", simulation.waited_for(worst)}});
+                              {"stops", worst.stops},
+                              {"waited_for", simulation.waited_for(worst)},
+                              {"why", why_worst(worst)}});
     out.member("coupling", {{"passes", simulation.end_of_step().passes()},
                             {"passes_per_step", static_cast<double>(simulation.end_of_step().passes()) / steps},
                             {"factorisations", simulation.end_of_step().factorisations()}});

@@ -18,7 +18,9 @@ const std::vector<Column> kColumns = {{"step", "1"},
                                       {"step_size", "s"},
                                       {"passes", "1"},
                                       {"factorisations", "1"},
+                                      {"inside_factorisations", "1"},
                                       {"correction", "m/s"},
+                                      {"residual", "N*s"},
                                       {"inside_correction", "m/s"},
                                       {"inside_residual", "N*s"},
                                       {"rate", "1"},
@@ -32,9 +34,10 @@ TraceFile::TraceFile(const std::filesystem::path& path) : file_(File::create(pat
 TraceFile::~TraceFile() { file_.write_some(waiting_); }
 
 void TraceFile::write(const Simulation& simulation, const StepReport& report) {
-    fmt::format_to(std::back_inserter(waiting_), "{},{},{},{},{},{:.3g},{:.3g},{:.3g},{:.3g},{},", report.step, report.time,
-                   simulation.step_size(), report.passes, report.factorisations, report.correction, report.inside_correction,
-                   report.inside_residual, report.rate, report.stops);
+    fmt::format_to(std::back_inserter(waiting_), "{},{},{},{},{},{},{:.3g},{:.3g},{:.3g},{:.3g},{:.3g},{},", report.step,
+                   report.time, simulation.step_size(), report.passes, report.factorisations, report.inside_factorisations,
+                   report.correction, report.residual, report.inside_correction, report.inside_residual, report.rate,
+                   report.stops);
     add_csv_field(simulation.waited_for(report), waiting_);
     waiting_ += '\n';
     if (waiting_.size() < kMostWaiting) return;

@@ -71,6 +71,7 @@ const BodyVectors& EndOfStep::solve(const std::vector<BodyState>& now, Networks&
         equations_.u() = previous_u_;
         if (!find_end(now, networks)) refuse(networks);
     }
+    networks.refuse_large_wrenches();
     if (open_.passes > worst_.passes) worst_ = report();
     singular_.count(open_.time);
     see_close_impacts();
@@ -107,7 +108,7 @@ bool EndOfStep::find_end(const std::vector<BodyState>& now, Networks& networks) 
         equations_.correct(now, trial_, wrenches_);
         if (may_go_back) base_residual_ = equations_.residual(now, base_u_, wrenches_);
         if (has_joints) convergence_.add_rounding(equations_.joint_system(), equations_.matrix(), equations_.impulses());
-        const bool done = judge(pass);
+        const bool done = judge(pass, networks);
         if (!done || pass < first_trusted || !parts_done) continue;
         if (!equations_.joint_system().has_stops()) return true;
         equations_.move(now, equations_.h(), trial_);
@@ -203,9 +204,12 @@ bool EndOfStep::go_back(const std::vector<BodyState>& now) {
 
 /// Whether the bodies have converged by this pass. With joints the first correction is that of multipliers from zero, and
 /// measures nothing.
-bool EndOfStep::judge(int pass) {
+bool EndOfStep::judge(int pass, const Networks& networks) {
     const auto judgement = convergence_.judge_bodies(equations_.u(), equations_.correction(), pass > 1 || joints_.empty());
-    if (!judgement.is_finite) fail(pass);
+    if (!judgement.is_finite) {
+        networks.refuse_large_wrenches();
+        fail(pass);
+    }
     if (judgement.is_slow) {
         equations_.joint_system().tighten();
         stiffness_wanted_ = true;
@@ -216,6 +220,7 @@ bool EndOfStep::judge(int pass) {
 StepReport EndOfStep::report() const {
     StepReport report = open_;
     report.stops = as_int(std::ranges::count_if(stops_, &Stop::acts));
+    report.residual = equations_.lack();
     convergence_.add_to(report, equations_.correction());
     return report;
 }
@@ -261,6 +266,7 @@ void EndOfStep::refuse_matrix(const std::vector<BodyState>& now) const {
 
 /// Names a part that has not converged, where the bodies have; else the worst body.
 void EndOfStep::refuse(const Networks& networks) const {
+    networks.refuse_large_wrenches();
     const int part = convergence_.part_not_done();
     if (part < 0) fail(kMostPassesOfStep);
     throw Error(ExitCode::numerical_failure,

@@ -91,7 +91,7 @@ private:
     void evaluate(const std::vector<BodyState>& now, Networks& networks);
     void see_singular_position(const std::vector<BodyState>& now, Networks& networks);
     bool go_back(const std::vector<BodyState>& now);
-    bool judge(int pass);
+    bool judge(int pass, const Networks& networks);
     const char* cure(const char* otherwise) const;
     [[noreturn]] void refuse_matrix(const std::vector<BodyState>& now) const;
     [[noreturn]] void refuse(const Networks& networks) const;

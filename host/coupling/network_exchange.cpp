@@ -86,14 +86,42 @@ void NetworkExchange::move_supports(size_t instance, const double* loads) {
     instances_[instance].move_supports(supports_.data());
 }
 
-void NetworkExchange::scatter(size_t instance, double* wrenches) const {
+namespace {
+
+/// Not a number if one of them is not.
+double size_of(const double* wrench) {
+    double size = 0;
+    for (int i = 0; i < 6; ++i) size += std::abs(wrench[i]);
+    return size;
+}
+
+NetworkExchange::Large large_one(size_t instance, size_t body, const double* wrench) {
+    NetworkExchange::Large large{instance, body, {}};
+    std::copy_n(wrench, 6, large.wrench);
+    return large;
+}
+
+}  // namespace
+
+void NetworkExchange::scatter_trial(size_t instance, double* wrenches) {
+    constexpr double kLargestTrial = 1e100;  // squares of it are numbers
+    add_wrenches(instance, kLargestTrial, wrenches);
+    const double* wrench = wrenches_.data();
+    for (size_t b = 0; b < motions_.size() && !large_; ++b, wrench += 6)
+        if (size_of(wrench) > World::kLargestWrench) [[unlikely]]
+            large_ = large_one(instance, b, wrench);
+}
+
+void NetworkExchange::refuse_large() const {
+    if (large_) refuse_wrench(*large_);
+}
+
+void NetworkExchange::add_wrenches(size_t instance, double most, double* wrenches) const {
     check_guards(instance, wrenches_, "wrench");
     const double* wrench = wrenches_.data();
     for (size_t b = 0; b < motions_.size(); ++b, wrench += 6, wrenches += 6) {
-        double size = 0;  // not a number if one of them is not
-        for (int i = 0; i < 6; ++i) size += std::abs(wrench[i]);
-        if (!(size <= World::kLargestWrench)) [[unlikely]]
-            refuse_wrench(instance, b);
+        if (!(size_of(wrench) <= most)) [[unlikely]]
+            refuse_wrench(large_one(instance, b, wrench));
         for (int i = 0; i < 6; ++i) wrenches[i] += wrench[i];
     }
 }
@@ -115,8 +143,8 @@ void NetworkExchange::check_matrix(size_t instance, const GuardedArray& matrix, 
             instances_[instance].blame(fmt::format("it says that its {}{} is {}; it must be finite", name, when, matrix[i]));
 }
 
-void NetworkExchange::refuse_wrench(size_t instance, size_t body) const {
-    const double* wrench = wrenches_.data() + 6 * body;
+void NetworkExchange::refuse_wrench(const Large& large) const {
+    const auto& [instance, body, wrench] = large;
     const NetworkInstance& blamed = instances_[instance];
     const int known = blamed.culprit(-1), first = slots_[instance].first_on_body[body];
     const auto name = [&](int element) { return blamed.element_name(static_cast<uint32_t>(element)); };

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,11 @@ namespace dttmm::host {
 class NetworkExchange {
 public:
     static constexpr size_t kBlock = 36;  ///< numbers of a block of a matrix
+    /// A wrench on a body that is not finite or too large.
+    struct Large {
+        size_t instance, body;
+        double wrench[6];
+    };
 
     /// The model must outlive it.
     explicit NetworkExchange(const Model& model);
@@ -69,7 +75,12 @@ public:
     /// Where a plugin writes the wrenches on all bodies; then scatter() adds them to those given. Throws
     /// Error(numerical_failure) naming element and body for one that is not finite or too large.
     double* wrenches() { return wrenches_.data(); }
-    void scatter(size_t instance, double* wrenches) const;
+    void scatter(size_t instance, double* wrenches) const { add_wrenches(instance, World::kLargestWrench, wrenches); }
+    /// The same at a trial of an iteration, which may be far off: of those that are too large it keeps the first.
+    void scatter_trial(size_t instance, double* wrenches);
+    /// Forgets those kept; throws for what was kept since.
+    void forget_large() { large_.reset(); }
+    void refuse_large() const;
     /// Room for the blocks of an instance, to be written by its plugin.
     double* make_room(size_t instance, GuardedArray& matrix) const;
     void check_guards(size_t instance, const GuardedArray& array, const char* name) const;
@@ -85,7 +96,8 @@ private:
         std::vector<int> first_on_body;  ///< its first element on each body; −1: none
     };
 
-    [[noreturn]] void refuse_wrench(size_t instance, size_t body) const;
+    void add_wrenches(size_t instance, double most, double* wrenches) const;
+    [[noreturn]] void refuse_wrench(const Large& large) const;
 
     std::vector<NetworkInstance> instances_;
     std::vector<Slot> slots_;
@@ -95,6 +107,7 @@ private:
     double time_ = 0;
     std::vector<dttmm_motion> motions_;  ///< of every body
     GuardedArray wrenches_;              ///< of every body, written by plugins
+    std::optional<Large> large_;         ///< at a trial
     std::vector<double> loads_;
     std::vector<dttmm_support_motion> supports_;
 };

@@ -167,6 +167,7 @@ void Networks::begin_step(const dttmm_step& step, const double* loads) {
 
 void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, const StiffnessSink* sink) {
     if (is_implicit_ || sink) exchange_.gather(trial);
+    exchange_.forget_large();
     for (size_t n = 0; n < exchange_.instances().size(); ++n) {
         const double* stiffness = sink ? exchange_.make_room(n, numbers_) : nullptr;
         exchange_.tell_time(exchange_.time(), [&] {
@@ -174,7 +175,7 @@ void Networks::evaluate(const std::vector<BodyState>& trial, double* wrenches, c
                 std::ranges::copy(exchange_.instances()[n].iterate(exchange_.motions()),
                                   progress_.begin() + as_row(first_part_[n]));
             exchange_.instances()[n].evaluate(exchange_.motions(), exchange_.wrenches(), sink ? numbers_.data() : nullptr);
-            exchange_.scatter(n, wrenches);
+            exchange_.scatter_trial(n, wrenches);
             if (sink) exchange_.check_matrix(n, numbers_, "stiffness");
         });
         if (!sink) continue;

@@ -172,6 +172,7 @@ void StepConvergence::add_to(StepReport& report, const BodyVectors& correction) 
         const dttmm_progress& last = parts_[p].progress();
         report.inside_correction = std::max(report.inside_correction, last.correction);
         report.inside_residual = std::max(report.inside_residual, last.residual);
+        report.inside_factorisations += std::max(last.is_new, 0);
         if (!take(parts_[p])) continue;
         report.part = as_int(p);
         report.body = -1;

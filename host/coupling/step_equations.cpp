@@ -154,6 +154,9 @@ void StepEquations::correct(const std::vector<BodyState>& now, const std::vector
         joints_.add_impulses(matrix_, impulses_, right_hand_side_);
         joints_.write_openings(matrix_, end, h_, right_hand_side_);
     }
+    lack_ = 0;
+    for (size_t b = 0; b < now.size(); ++b)
+        lack_ = std::max(lack_, right_hand_side_.segment<3>(matrix_.index(as_int(b))).squaredNorm());
     factor_.solve(right_hand_side_, solution_);
     if (!joints_.empty()) impulses_ += solution_;
     for (size_t b = 0; b < now.size(); ++b) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "coupling/networks.h"
@@ -46,6 +47,8 @@ public:
     Eigen::VectorXd& impulses() { return impulses_; }
     const Eigen::VectorXd& impulses() const { return impulses_; }
     double h() const { return h_; }
+    /// The largest momentum of a body that lacked before the last correction [N s].
+    double lack() const { return std::sqrt(lack_); }
     JointSystem& joint_system() { return joints_; }
     const JointSystem& joint_system() const { return joints_; }
     const BlockMatrix& matrix() const { return matrix_; }
@@ -113,7 +116,7 @@ private:
     using Momentum = Eigen::Matrix<double, 6, 1>;
     Momentum residual_of(size_t body, const BodyState& now, const Momentum& u, const std::vector<double>& wrenches) const;
 
-    double h_ = 0;
+    double h_ = 0, lack_ = 0;  ///< lack_: squared
     std::vector<Inertia> inertias_;
     BodyVectors free_momentum_;  ///< P− + h f_loads
     BodyVectors u_, correction_;

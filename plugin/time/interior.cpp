@@ -196,7 +196,7 @@ void Interior::report(double residual, dttmm_progress& progress) const {
     // Stiff joints make momentum of the rounding of places
     progress.residual = std::max(residual - kRoundingOfPlace * motion_.size / inside_.step_size() * matrix_.stiffest(), 0.0);
     progress.impulse = motion_.impulse;
-    progress.is_new = matrix_.is_new();
+    progress.is_new = matrix_.formed();
     progress.element = motion_.rate > kTooSlow ? inside_.fastest_element(motion_.change) : -1;
 }
 

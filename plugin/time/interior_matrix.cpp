@@ -91,11 +91,11 @@ void InteriorMatrix::form(const std::vector<Frame>& at) {
     is_stale_ = true;
     form_by(at);
     is_stale_ = is_own_ = false;
-    is_fresh_ = true;
 }
 
 void InteriorMatrix::form_by(const std::vector<Frame>& at) {
     const Mechanism& mechanism = inside_.mechanism;
+    ++formed_;
     begin();
     for (size_t j = 0; j < mechanism.joints.size(); ++j) add_joint(j, blocks(j, at));
     for (size_t j : inside_.rigid_joints) set_rigid_rows(mechanism, j, mechanism.pose(j), mechanism.theta(j), elimination_);
@@ -107,6 +107,7 @@ void InteriorMatrix::form_by(const std::vector<Frame>& at) {
 void InteriorMatrix::form_at_trial() {
     const Mechanism& mechanism = inside_.mechanism;
     is_own_ = is_stale_ = true;
+    ++formed_;
     begin();
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
@@ -164,7 +165,7 @@ void InteriorMatrix::find_responses() {
 
 void InteriorMatrix::take_step() {
     is_stale_ = is_own_ || turn_at_ports() > kTurnedPorts || rigid_directions_have_turned();
-    is_fresh_ = false;
+    formed_ = 0;
 }
 
 /// Against their frames, since the matrix was formed: their forces would be found slowly, or not at all, and no motion would

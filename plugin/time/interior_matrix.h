@@ -37,8 +37,8 @@ public:
     /// After a step: finds out whether it serves for the next.
     void take_step();
     bool is_stale() const { return is_stale_; }
-    /// Whether it was formed for the open step, or within it.
-    bool is_new() const { return is_fresh_ || is_own_; }
+    /// How often it was formed for the open step, or within it.
+    int formed() const { return formed_; }
     /// What it has most of against the shift of a frame [kg].
     double stiffest() const { return stiffest_; }
 
@@ -90,7 +90,7 @@ private:
     std::vector<Columns> near_columns_;   ///< of their deformation by either frame, when it was formed
     double stiffest_ = 0;
     bool is_stale_ = false;  ///< it no longer serves
-    bool is_fresh_ = false;  ///< it was formed for the open step
+    int formed_ = 0;         ///< so often for the open step
     bool is_own_ = false;    ///< it was formed within the open step
 };
 

@@ -197,7 +197,7 @@ void Network::iterate(const dttmm_motion* trial, dttmm_progress& progress) {
         progress.motion = 1;
     }
     // Where a spring is not linear, a rate of convergence of another step says nothing of this one
-    if (has_laws_) progress.is_new = 1;
+    if (has_laws_ && progress.is_new == 0) progress.is_new = -1;
 }
 
 void Network::evaluate(const dttmm_motion* bodies, double* wrench, double* stiffness) const {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <sstream>
 
@@ -26,7 +27,7 @@ struct Trace {
         for (std::string line; std::getline(in, line);) {
             std::istringstream fields(line);
             rows.emplace_back();
-            for (std::string field; rows.back().size() < 10 && std::getline(fields, field, ',');)
+            for (std::string field; rows.back().size() < 12 && std::getline(fields, field, ',');)
                 rows.back().push_back(field);
             rows.back().emplace_back();
             std::getline(fields, rows.back().back());
@@ -38,7 +39,21 @@ struct Trace {
     std::vector<std::vector<std::string>> rows;
 };
 
-enum : size_t { kStep, kTime, kStepSize, kPasses, kFactorisations, kCorrection, kInside, kResidual, kRate, kStops, kWaited };
+enum : size_t {
+    kStep,
+    kTime,
+    kStepSize,
+    kPasses,
+    kFactorisations,
+    kInsideFactorisations,
+    kCorrection,
+    kResidual,
+    kInside,
+    kInsideResidual,
+    kRate,
+    kStops,
+    kWaited
+};
 
 /// A beam from the wall to a body that falls onto its bending, undamped.
 std::string beam_and_body(const std::string& simulation) {
@@ -69,10 +84,10 @@ TEST(TraceOption, TellsHowEveryStepWasFound) {
     const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-o", "out", "--trace", "steps.csv"});
     ASSERT_EQ(ended.code, 0) << ended.err;
     const Trace trace(folder / "steps.csv");
-    EXPECT_EQ(
-        trace.names,
-        "step,time,step_size,passes,factorisations,correction,inside_correction,inside_residual,rate,stops,waited_for");
-    EXPECT_EQ(trace.units, "1,s,s,1,1,m/s,m/s,N*s,1,1,");
+    EXPECT_EQ(trace.names,
+              "step,time,step_size,passes,factorisations,inside_factorisations,correction,residual,inside_correction,"
+              "inside_residual,rate,stops,waited_for");
+    EXPECT_EQ(trace.units, "1,s,s,1,1,1,m/s,N*s,m/s,N*s,1,1,");
     const nlohmann::json summary = read_json(folder / "out/summary.json");
     ASSERT_EQ(trace.rows.size(), summary["steps"].get<size_t>() + 1) << "one beyond the last row";
     double passes = 0, factorisations = 0, most = 0;
@@ -85,7 +100,9 @@ TEST(TraceOption, TellsHowEveryStepWasFound) {
         most = std::max(most, trace.number(n, kPasses));
         EXPECT_EQ(trace.rows[n][kWaited].empty(), trace.number(n, kPasses) == 1) << n;
         EXPECT_EQ(trace.number(n, kStops), 0);
+        EXPECT_LE(trace.number(n, kInsideFactorisations), 1) << "it bends little: " << n;
     }
+    EXPECT_EQ(trace.number(0, kInsideFactorisations), 1);
     EXPECT_EQ(passes, summary["coupling"]["passes"]);
     EXPECT_EQ(factorisations, summary["coupling"]["factorisations"]);
     const nlohmann::json& worst = summary["worst_step"];
@@ -93,8 +110,62 @@ TEST(TraceOption, TellsHowEveryStepWasFound) {
     EXPECT_EQ(worst["passes"], most);
     EXPECT_EQ(trace.number(row, kPasses), most);
     for (size_t n = 0; n < row; ++n) EXPECT_LT(trace.number(n, kPasses), most) << "the first of them";
+    EXPECT_NE(worst["why"], "");
     EXPECT_THAT(worst["waited_for"].get<std::string>(),
                 testing::AnyOf("body \"load\" on element \"beam\"", "element \"beam\" (plugin built in)"));
+}
+
+// Oracle: a pendulum that swings through far more than 0.01 rad between its matrices, and the one equation of a body on a
+// spring, in which a speed counts √2 times: (m + h² k/4) δ = r.
+TEST(TraceOption, CountsMatricesInsideAndTheMomentumThatLacks) {
+    const TemporaryFolder folder;
+    write_text(folder / "pendulum.toml", R"(format = "dttmm/1"
+[simulation]
+step = 5e-3
+duration = 0.5
+gravity = [0, 0, -9.81]
+[nodes]
+top = [0, 0, 0]
+centre = [0.6, 0, 0]
+[[element]]
+name = "hinge"
+type = "elastic_hinge"
+from = "ground"
+to = "top"
+stiffness.ry = "free"
+[[element]]
+name = "bob"
+type = "rigid_body"
+at = ["top", "centre"]
+mass = 2
+inertia = [0.1, 0.1, 0.1]
+)");
+    ASSERT_EQ(run_dttmm(folder.path(), {"run", "pendulum.toml", "-o", "out", "--trace", "steps.csv"}).code, 0);
+    const Trace pendulum(folder / "steps.csv");
+    double matrices = 0;
+    for (size_t n = 0; n < pendulum.rows.size(); ++n) matrices += pendulum.number(n, kInsideFactorisations);
+    EXPECT_GT(matrices, 50);
+
+    write_text(folder / "body.toml", R"(format = "dttmm/1"
+[simulation]
+step = 1e-3
+duration = 0.05
+[[body]]
+name = "b"
+mass = 2
+inertia = [1, 1, 1]
+velocity = [0, 0, 3]
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "b"
+stiffness = 4e6
+)");
+    ASSERT_EQ(run_dttmm(folder.path(), {"run", "body.toml", "-o", "out", "--trace", "steps.csv"}).code, 0);
+    const Trace body(folder / "steps.csv");
+    for (size_t n = 1; n < body.rows.size(); ++n)
+        EXPECT_NEAR(body.number(n, kResidual) / body.number(n, kCorrection), (2 + 1e-6 * 4e6 / 4) / std::sqrt(2), 0.03) << n;
 }
 
 // Oracle: the step named by the error, which stops at 50 passes.

@@ -474,13 +474,16 @@ TEST(LawsWithKinks, AJointElsewhereTakesNoEnergy) {
 
 // Oracle: conservation, where the first of Newton's trials is beyond all bounds: 1e15 N/m³.
 TEST(LawsWithKinks, AHardCubicSpringIsFound) {
-    const RecordedRun run(
-        "[simulation]\nstep = 1e-3\nduration = 0.02\n[[body]]\nname = \"b\"\nmass = 2\ninertia = [1, 1, 1]\nvelocity = [0, "
-        "0, "
-        "2.7]\n[[element]]\nname = \"pad\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"b\"\nz = { law = \"cubic\", "
-        "stiffness = 1e3, cubic = 1e15 }\n");
-    for (size_t n = 0; n < run.count(); ++n)
-        EXPECT_NEAR(run(n, "energy.kinetic") + run(n, "energy.strain"), 2.7 * 2.7, 1e-7 * 2.7 * 2.7) << n;
+    for (const double speed : {2.7, 20.0, 2000.0}) {
+        const RecordedRun run(fmt::format(
+            "[simulation]\nstep = 1e-3\nduration = 0.02\n[[body]]\nname = \"b\"\nmass = 2\ninertia = [1, 1, 1]\nvelocity = "
+            "[0, 0, {}]\n[[element]]\nname = \"pad\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = \"b\"\nz = {{ law = "
+            "\"cubic\", stiffness = 1e3, cubic = 1e15 }}\n",
+            speed));
+        const double energy = speed * speed;
+        for (size_t n = 0; n < run.count(); ++n)
+            EXPECT_NEAR(run(n, "energy.kinetic") + run(n, "energy.strain"), energy, 1e-7 * energy) << speed << " " << n;
+    }
 }
 
 }  // namespace

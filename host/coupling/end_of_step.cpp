@@ -11,11 +11,12 @@
 
 namespace dttmm::host {
 
-EndOfStep::EndOfStep(const Model& model, const Networks& networks)
+EndOfStep::EndOfStep(const Model& model, const Networks& networks, bool have_rigid_loop)
     : equations_(model, networks),
       convergence_(model, networks, equations_.joint_system()),
       joints_(model.joints),
       have_loop_(form_loop(model.joints)),
+      have_rigid_loop_(have_rigid_loop),
       singular_(equations_.joint_system(), have_loop_),
       stops_(model.joints.size()),
       stops_before_(model.joints.size()),
@@ -269,11 +270,14 @@ void EndOfStep::refuse(const Networks& networks) const {
     networks.refuse_large_wrenches();
     const int part = convergence_.part_not_done();
     if (part < 0) fail(kMostPassesOfStep);
-    throw Error(ExitCode::numerical_failure,
-                fmt::format("t = {:.9g} s: {}: the motion inside was not found in {} passes (last correction {:.1e} m/s); "
-                            "try a smaller step",
-                            open_.time, networks.whose_part(as_size(part)), kMostPassesOfStep,
-                            convergence_.correction_inside(part)));
+    throw Error(
+        ExitCode::numerical_failure,
+        fmt::format("t = {:.9g} s: {}: the motion inside was not found in {} passes (last correction {:.1e} m/s); "
+                    "{}",
+                    open_.time, networks.whose_part(as_size(part)), kMostPassesOfStep, convergence_.correction_inside(part),
+                    have_rigid_loop_ ? "elements with rigid directions close a loop there: at a singular position "
+                                       "of it give them a stiffness, elsewhere try a smaller step"
+                                     : "try a smaller step"));
 }
 
 void EndOfStep::fail(int passes) const {

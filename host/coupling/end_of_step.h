@@ -30,7 +30,8 @@ namespace dttmm::host {
 /// not show in the correction).
 class EndOfStep {
 public:
-    EndOfStep(const Model& model, const Networks& networks);
+    /// have_rigid_loop: of the elements; what a message advises.
+    EndOfStep(const Model& model, const Networks& networks, bool have_rigid_loop = false);
 
     /// Initial conditions: from the motion at t0 with the velocities and accelerations of that instant, returns the motion
     /// with the velocities half a step of size h back, as a leap-frog host wants them.
@@ -100,7 +101,7 @@ private:
     StepEquations equations_;
     StepConvergence convergence_;
     std::vector<Joint> joints_;
-    bool have_loop_;
+    bool have_loop_, have_rigid_loop_;
     SingularPosition singular_;
     std::vector<Stop> stops_;         ///< that act over the open step
     std::vector<Stop> stops_before_;  ///< that acted over the step before

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupling/rigid_loop.h"
 #include "model/error.h"
 #include "model/index.h"
 #include "model/read_modes.h"
@@ -48,7 +49,7 @@ Simulation::Simulation(const Model& model, const Plugins& plugins, For what)
       fastest_(what == For::steps ? find_fastest_mode(model, networks_, now_) : FastestMode{}),
       loads_(model, networks_.load_weights()),
       drives_(model),
-      end_of_step_(model, networks_),
+      end_of_step_(model, networks_, form_rigid_loop(model, plugins.catalogue())),
       instant_(model),
       after_(model.bodies.size()),
       observer_(model, networks_, end_of_step_.equations().joint_system()) {

@@ -7,7 +7,9 @@
 /// Compiles a function and what it inlines twice more, for processors with AVX2 and with AVX-512, whose 32 registers hold
 /// what others must put aside; chosen when the library is loaded. All give the same bits: the build forbids contraction, so
 /// that no product is fused. Once under the address sanitizer: the checks are the same in all, and slow to compile.
-#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+/// DTTMM_NARROW: the same without, for a test that compares the bits.
+#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(DTTMM_NARROW)
 #define DTTMM_WIDE [[gnu::flatten, gnu::target_clones("arch=x86-64-v4", "avx2", "default")]]
 #else
 #define DTTMM_WIDE

@@ -24,11 +24,9 @@ constexpr double kRigidRounding = 1e-12;
 /// What rounding makes of the difference between equal λ, of the same share: the count around them is their proof. Range
 /// 5e-16 (with none ALineUnderItsOwnWeight fails) to 1e-10, none fails.
 constexpr double kSplit = 1e-14;
-/// Of the range looked at: lower frequencies are taken for zero. Range 1e-9 or less to 2e-7 (ASlowSpringIsNoRigidBodyMode).
-constexpr double kLowest = 1e-7;
-/// Of √rounding: slower modes are not known to kWidestBracket, whatever is asked for. Measured at a column near Euler's
-/// load: 3 to 6. It decides the words of a message only.
-constexpr double kConfirmed = 10;
+/// Of the range looked at: lower frequencies are taken for zero, as rounding splits equal ones by their λ. Range 1e-9 or
+/// less to 2e-7 (ASlowSpringIsNoRigidBodyMode).
+const double kLowest = std::sqrt(kSplit);
 /// Strain of a rigid-body mode beyond its rounding, as share of λ where the count begins. More is a mode too slow to be
 /// counted. Range 1e-5 (below it RandomTrees) to 1e-3 (above it ASlowSpringIsNoRigidBodyMode).
 constexpr double kStrain = 1e-4;
@@ -36,8 +34,6 @@ constexpr double kStrain = 1e-4;
 constexpr double kEqual = 2e-9;
 /// Beside a frequency: there D can be factored, and inside an interval of kEqual.
 constexpr double kBeside = 0.25 * kEqual;
-/// high/low of an interval in whose middle the shapes of its modes are looked for. Range 1.05 to 3.9, none fails.
-constexpr double kNarrow = 1.3;
 /// Of ω: the narrowest interval in which a mode is confirmed by counts, and the widest; λ of a group of modes that are
 /// refined together lie nearer than that. Range 2.5e-13 to 2.5e-9, none fails; 1e-6 (below it RandomTrees) to 1e-3, none
 /// fails.
@@ -45,14 +41,17 @@ constexpr double kFinestBracket = 2.5e-11, kWidestBracket = 1e-5;
 /// Where the search for the first few begins, and where a model of finitely many masses has no more [rad/s]. Range 0.06 to
 /// 600 and 1e10 to 1e14, none fails.
 constexpr double kFirstTrial = 2 * M_PI, kFastest = 1e12;
-/// By so much a search widens at a time. Range 2 to 8 (above it ASlowSpringIsNoRigidBodyMode).
+/// By so much a search widens at a time. Range 2 to 8 (above it ASlowSpringIsNoRigidBodyMode). Modes slower than its square
+/// times √rounding are not known to kWidestBracket: 3 to 6 were measured at a column near Euler's load.
 constexpr double kWiden = 4;
-/// Of inverse iteration with one factor. Range 2 (below it ASlowSpringIsNoRigidBodyMode) to 8, none fails.
-constexpr int kRounds = 3;
-// The iteration converges quadratically: after a correction of √ε of λ the next one is rounding. Where that is larger it is
-// stopped after so many passes, and the bracket tells what is left. Ranges 1.5e-9 to 1.5e-6 and 4 to 16, none fails.
-constexpr double kConverged = 1.5e-8;
-constexpr int kMostPasses = 8;
+/// high/low of an interval in whose middle the shapes of its modes are looked for. Range 1.05 or less to 1.3 (at 1.41
+/// ABeamBetweenTwoPointsOfOneRigidBody: pieces cut for another ω show another largest displacement).
+constexpr double kNarrow = 1.3;
+/// Of inverse iteration with one factor, range 2 (below it ASlowSpringIsNoRigidBodyMode) to 8, none fails. And of Newton's
+/// iteration, which converges quadratically: after a correction of √ε of λ the next one is rounding. Where that is larger it
+/// is stopped after so many passes, and the bracket has what is left. Range 4 to 16, none fails.
+constexpr int kMostPasses = 4;
+const double kConverged = std::sqrt(std::numeric_limits<double>::epsilon());
 
 double hertz(double omega) { return omega / (2 * M_PI); }
 
@@ -231,7 +230,7 @@ std::vector<double> ModeFinder::iterate(std::vector<FrameVector>& shapes, double
     if (!stiffness_.factor(lambda)) return {};
     Eigen::MatrixXd A(n, n), B(n, n);
     std::vector<double> lambdas(shapes.size());
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kMostPasses; ++round) {
         std::vector<FrameVector> loads, masses;
         for (FrameVector& shape : shapes) {
             loads.push_back(stiffness_.mass_times(shape));
@@ -291,7 +290,7 @@ void ModeFinder::find_rigid(int count, double lowest) {
             fmt::format("{} at about {:.2g} Hz cannot be told from a motion that nothing holds: up to {:.2g} Hz "
                         "rounding of the stiffest parts hides what is counted. Make these parts rigid{}{}",
                         grows ? "a motion that grows" : "a natural frequency", hertz(slow), hertz(limit),
-                        slow > kConfirmed * std::sqrt(rounding()) ? ", or ask for lower frequencies" : "", of_load()));
+                        slow > kWiden * kWiden * std::sqrt(rounding()) ? ", or ask for lower frequencies" : "", of_load()));
     }
     add({std::vector<double>(shapes.size(), 0.0), shapes, stiffness_.cuts()}, 0);
 }

@@ -80,20 +80,20 @@ struct SprungMasses {
     /// Accelerations per force on b0, in closed form, 3 to 150 Hz: a CSV file with noise, its deviation as share of the
     /// largest magnitude of each.
     std::string response(size_t points, double share, unsigned seed) const {
-        using Complex = std::complex<double>;
+        using Number = std::complex<double>;
         std::vector<double> frequencies;
-        std::vector<std::vector<Complex>> columns(masses.size());
+        std::vector<std::vector<Number>> columns(masses.size());
         for (size_t p = 0; p < points; ++p) {
             const double f = 3 + 147 * static_cast<double>(p) / static_cast<double>(points - 1),
                          w = 2 * std::numbers::pi * f;
             frequencies.push_back(f);
-            const Complex K0(stiffnesses[0], w * dampings[0]);
+            const Number K0(stiffnesses[0], w * dampings[0]);
             if (masses.size() == 1) {
                 columns[0].push_back(-w * w / (K0 - masses[0] * w * w));
                 continue;
             }
-            const Complex K1(stiffnesses[1], w * dampings[1]), upper = K1 - masses[1] * w * w,
-                                                               det = (K0 + K1 - masses[0] * w * w) * upper - K1 * K1;
+            const Number K1(stiffnesses[1], w * dampings[1]), upper = K1 - masses[1] * w * w,
+                                                              det = (K0 + K1 - masses[0] * w * w) * upper - K1 * K1;
             columns[0].push_back(-w * w * upper / det);
             columns[1].push_back(-w * w * K1 / det);
         }
@@ -104,10 +104,10 @@ struct SprungMasses {
             names += fmt::format(",b{0}.acceleration.z.re,b{0}.acceleration.z.im", i);
             units += ",m/s^2/N,m/s^2/N";
             double largest = 0;
-            for (const Complex& one : columns[i]) largest = std::max(largest, std::abs(one));
-            for (Complex& one : columns[i]) {
+            for (const Number& one : columns[i]) largest = std::max(largest, std::abs(one));
+            for (Number& one : columns[i]) {
                 const double re = normal(engine), im = normal(engine);
-                one += share * largest * Complex(re, im);
+                one += share * largest * Number(re, im);
             }
         }
         std::string text = names + "\n" + units + "\n";

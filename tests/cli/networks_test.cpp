@@ -409,5 +409,60 @@ section = {{ EA = 58540, mass = 4.1, inertia = 0.0011 }}
     }
 }
 
+// A parallelogram of rigid bodies on hinges that falls through the position in which it lies flat. Oracle: with hinges that
+// give a little it runs at the same step; the message says so.
+TEST(Networks, ARigidLoopInASingularPositionIsToBeGivenAStiffness) {
+    const TemporaryFolder folder;
+    const auto model = [](const std::string& stiffness) {
+        std::string text = R"(format = "dttmm/1"
+[simulation]
+step = 1e-3
+duration = 0.1
+gravity = [0, -9.81, 0]
+[nodes]
+g0 = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+g1 = { position = [0.53, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+)";
+        // Cranks of 0.31 m at 0.05 rad, turning at -5.3 rad/s
+        const double x = 0.31 * std::cos(0.05), y = 0.31 * std::sin(0.05), spin = -5.3;
+        const auto node = [&](const char* name, double x0, double y0, bool moves, double turns) {
+            text += fmt::format("{} = {{ position = [{}, {}, 0], velocity = [{}, {}, 0], angular_velocity = [0, 0, {}] }}\n",
+                                name, x0, y0, moves ? -spin * y : 0, moves ? spin * x : 0, turns);
+        };
+        node("c0a", 0, 0, false, spin);
+        node("c0b", x, y, true, spin);
+        node("b1a", x, y, true, 0);
+        node("b1b", 0.53 + x, y, true, 0);
+        node("c1a", 0.53, 0, false, spin);
+        node("c1b", 0.53 + x, y, true, spin);
+        const auto bar = [&](const char* name, const char* from, const char* to, double mass, double cx, double cy) {
+            text += fmt::format(
+                "[[element]]\nname = \"{}\"\ntype = \"rigid_body\"\nat = [\"{}\", \"{}\"]\nmass = {}\ncenter_of_mass = [{}, "
+                "{}, 0]\n"
+                "inertia = {{ xx = 2e-5, yy = {}, zz = {} }}\n",
+                name, from, to, mass, cx, cy, 0.008 * mass, 0.008 * mass);
+        };
+        bar("crank0", "c0a", "c0b", 0.8, 0.5 * x, 0.5 * y);
+        bar("bar", "b1a", "b1b", 1.3, 0.265, 0);
+        bar("crank1", "c1a", "c1b", 1.1, 0.5 * x, 0.5 * y);
+        const auto hinge = [&](const char* name, const char* from, const char* to, const std::string& free) {
+            text += fmt::format(
+                "[[element]]\nname = \"{}\"\ntype = \"elastic_hinge\"\nfrom = \"{}\"\nto = \"{}\"\nstiffness = {{ {} }}\n",
+                name, from, to, free);
+        };
+        hinge("foot0", "g0", "c0a", "rz = \"free\"");
+        hinge("foot1", "g1", "c1a", "rz = \"free\"");
+        hinge("left", "c0b", "b1a", "rz = \"free\"");
+        hinge("right", "b1b", "c1b", "rz = \"free\", z = \"free\", rx = \"free\", ry = \"free\"" + stiffness);
+        return text;
+    };
+    const Ended rigid = run_frame(folder, "run", model(""));
+    EXPECT_EQ(rigid.code, 4) << rigid.err;
+    EXPECT_THAT(rigid.err, HasSubstr("elements with rigid directions close a loop there: at a singular position of it give "
+                                     "them a stiffness, elsewhere try a smaller step"));
+    const Ended gives = run_frame(folder, "run", model(", x = 1e8, y = 1e8"));
+    EXPECT_EQ(gives.code, 0) << gives.err;
+}
+
 }  // namespace
 }  // namespace dttmm::host

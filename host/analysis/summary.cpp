@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "coupling/newton_convergence.h"
 #include "loader/build_id.h"
 #include "loader/plugin_library.h"
 #include "model/index.h"
@@ -214,18 +215,16 @@ Json describe_shares(const FastestMode& mode) {
     return shares;
 }
 
-/// Of an explicit coupling that something limits; null else.
 /// Why the step with the most passes took them.
 std::string why_worst(const StepReport& worst) {
-    constexpr double kFast = 0.1;  // beyond it a matrix is formed anew
     if (worst.passes <= 1) return "no step took more than one pass";
-    if (worst.stops > 0) return fmt::format("{} of the joints' stops acted", worst.stops);
-    if (worst.rate > kFast)
-        return fmt::format("a pass left {:.2g} of the correction before: forces or turns are far from linear over the step",
-                           worst.rate);
-    return "a correction that falls fast, but from a large one";
+    if (worst.stops > 0) return fmt::format("joint stops were active: {}", worst.stops);
+    if (worst.rate > NewtonConvergence::kSlow)
+        return fmt::format("each correction was up to {:.2g} times the one before", worst.rate);
+    return "the corrections fell fast, but the first one was large";
 }
 
+/// Of an explicit coupling that something limits; null else.
 Json describe_limit(const Simulation& simulation) {
     const auto& limit = simulation.explicit_limit();
     if (!limit || limit->load == 0) return nullptr;

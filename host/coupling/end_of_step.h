@@ -30,7 +30,7 @@ namespace dttmm::host {
 /// not show in the correction).
 class EndOfStep {
 public:
-    /// have_rigid_loop: of the elements; what a message advises.
+    /// have_rigid_loop: elements with rigid directions form a closed loop. It only selects the advice in a message.
     EndOfStep(const Model& model, const Networks& networks, bool have_rigid_loop = false);
 
     /// Initial conditions: from the motion at t0 with the velocities and accelerations of that instant, returns the motion

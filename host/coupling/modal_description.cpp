@@ -93,6 +93,7 @@ void ModalDescription::Rest::find_limits(const Loads& loads, double size) {
     networks->start_at_rest(step, at.state.at, loads.on_networks().data());
     networks->begin_step(step, loads.on_networks().data());
     networks->evaluate(at.state.at, wrenches.data());
+    networks->refuse_large_wrenches();
     networks->commit_step(at.state.at);
     if (networks->stand()) networks->stand_at(at.state.at, nullptr, wrenches.data());
     networks->outputs(values.data());

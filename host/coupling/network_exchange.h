@@ -76,7 +76,7 @@ public:
     /// Error(numerical_failure) naming element and body for one that is not finite or too large.
     double* wrenches() { return wrenches_.data(); }
     void scatter(size_t instance, double* wrenches) const { add_wrenches(instance, World::kLargestWrench, wrenches); }
-    /// The same at a trial of an iteration, which may be far off: of those that are too large it keeps the first.
+    /// Adds the wrenches of a trial. Up to 1e100 N it only keeps the first one that is too large.
     void scatter_trial(size_t instance, double* wrenches);
     /// Forgets those kept; throws for what was kept since.
     void forget_large() { large_.reset(); }

@@ -52,7 +52,7 @@ public:
     /// naming element and body when one is not finite or beyond 1e15 N. Unless is_implicit(), `trial` is not looked at;
     /// otherwise the plugins' parts iterate before. stiffness: if given, receives that of the wrenches.
     void evaluate(const std::vector<BodyState>& trial, double* wrenches, const StiffnessSink* stiffness = nullptr);
-    /// Throws Error(numerical_failure) naming an element whose wrench was too large in that evaluation. A trial may be.
+    /// Throws Error(numerical_failure) if a wrench of the last evaluation was beyond 1e15 N. During an iteration it may be.
     void refuse_large_wrenches() const { exchange_.refuse_large(); }
     /// Of all parts of the plugins that find a motion of their own, how far the last evaluation has brought them.
     const std::vector<dttmm_progress>& progress() const { return progress_; }

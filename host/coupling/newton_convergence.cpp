@@ -8,9 +8,6 @@ namespace dttmm::host {
 
 namespace {
 
-/// Slower than this, as kTooSlow of what is inside a network, the matrix is to be formed anew, unless the correction is near
-/// rounding already.
-constexpr double kSlow = 0.1;
 /// After so many passes a correction that has not halved is rounding, if it is small.
 constexpr int kPassesToFall = 4;
 

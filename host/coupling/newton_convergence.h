@@ -42,6 +42,10 @@ public:
     static constexpr double kLeftInside = 1e-6;
     static constexpr Limits kInside{kLeftInside, kLeftInside, kAgreement};
 
+    /// Slower than this, as kTooSlow of what is inside a network, the matrix is to be formed anew, unless the correction is
+    /// near rounding already.
+    static constexpr double kSlow = 0.1;
+
     explicit NewtonConvergence(const Limits& limits) : limits_(limits) {}
 
     /// Opens a step. least: θ/(1 − θ) that is trusted at best.

@@ -137,9 +137,12 @@ StepConvergence::Judgement StepConvergence::judge_bodies(const BodyVectors& u, c
 
 bool StepConvergence::judge_parts(const Networks& networks) {
     bool done = true;
+    waits_for_laws_ = false;
     for (size_t p = 0; p < parts_.size(); ++p) {
         parts_[p].take(networks.progress()[p]);
-        done = done && parts_[p].is_done();
+        if (parts_[p].is_done()) continue;
+        done = false;
+        waits_for_laws_ = waits_for_laws_ || networks.progress()[p].is_new < 0;
     }
     return done;
 }
@@ -159,7 +162,8 @@ void StepConvergence::add_to(StepReport& report, const BodyVectors& correction) 
     int longest = 0;  // passes that did not do
     const auto take = [&](const NewtonConvergence& convergence) {
         const dttmm_progress& last = convergence.progress();
-        if (last.previous > 0) report.rate = std::max(report.rate, last.correction / last.previous);
+        if (last.previous > 0 && last.correction > last.enough)
+            report.rate = std::max(report.rate, last.correction / last.previous);
         const bool is_longest = convergence.passes_not_done() > longest;
         longest = std::max(longest, convergence.passes_not_done());
         return is_longest;

@@ -39,6 +39,8 @@ public:
     Judgement judge_bodies(const BodyVectors& u, const BodyVectors& correction, bool measures);
     /// Takes what the last evaluation tells of the plugins' parts; true if every one may stop.
     bool judge_parts(const Networks& networks);
+    /// Then: whether one that may not has laws between bodies.
+    bool waits_for_laws() const { return waits_for_laws_; }
 
     /// Whether a change of u is more than round-off.
     bool is_felt(const BodyVectors& u, const BodyVectors& before) const;
@@ -82,6 +84,7 @@ private:
     std::vector<Judged> bodies_;
     std::vector<Group> groups_;
     std::vector<NewtonConvergence> parts_;
+    bool waits_for_laws_ = false;
 };
 
 }  // namespace dttmm::host

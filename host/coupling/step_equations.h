@@ -47,7 +47,7 @@ public:
     Eigen::VectorXd& impulses() { return impulses_; }
     const Eigen::VectorXd& impulses() const { return impulses_; }
     double h() const { return h_; }
-    /// The largest momentum of a body that lacked before the last correction [N s].
+    /// The largest linear momentum of a body that lacked before the last correction [N s].
     double lack() const { return std::sqrt(lack_); }
     JointSystem& joint_system() { return joints_; }
     const JointSystem& joint_system() const { return joints_; }
@@ -68,8 +68,8 @@ public:
 
     /// One correction K⁻¹ (P− + h f − P(u)) of u; with joints, likewise of u and q. end: the bodies at the end of the step.
     void correct(const std::vector<BodyState>& now, const std::vector<BodyState>& end, const std::vector<double>& wrenches);
-    /// What lacks in the equations of motion at a u, r, as ½ rᵀ M⁻¹ r [J], with the impulses q at hand. Of the u before a
-    /// correction, after it: q is then what closes the joints along the whole way.
+    /// Residual r of the equations of motion at u with the present impulses q, as ½ rᵀ M⁻¹ r [J]. Call it for the old u
+    /// after correct(): q then belongs to the whole correction.
     double residual(const std::vector<BodyState>& now, const BodyVectors& u, const std::vector<double>& wrenches);
     /// What makes ODE move the bodies by u; its joints add their own impulses, which have no stops.
     void write_feedback(const std::vector<BodyState>& now, BodyVectors& feedback);

@@ -294,7 +294,8 @@ void Hdf5Writer::publish() {
 }
 
 std::string Hdf5Writer::version() {
-    return fmt::format("{}.{}.{}", H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE);  // asked, the library would start up
+    return fmt::format("{}.{}.{}", H5_VERS_MAJOR, H5_VERS_MINOR,
+                       H5_VERS_RELEASE);  // of the headers: H5get_libversion() would start the library
 }
 
 }  // namespace dttmm::host

@@ -32,6 +32,7 @@ JointSystem::JointSystem(const std::vector<Body>& bodies, const std::vector<Join
     matrix_jacobians_.resize(joints.size());
     stops_.resize(joints.size());
     drives_.resize(joints.size());
+    let_go_.reserve(joints.size());
 }
 
 std::vector<BlockMatrix::JointNode> JointSystem::nodes() const {

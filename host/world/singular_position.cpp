@@ -16,8 +16,8 @@ namespace {
 
 constexpr Eigen::Index kMostEquations = 1000;  // a decomposition of them takes a second
 
-/// Of an equation from the span of those before: there E is the square root of itself over the distance squared, and half of
-/// its digits hide. 0.003 to 0.06 pass the tests.
+/// Distance below which E hides how far an equation is from the span of those before. There E is the square root of itself
+/// over the distance squared, and half of its digits hide. Values from 0.003 to 0.06 pass the tests.
 double hidden_distance() { return std::sqrt(std::sqrt(JointSystem::kProximal)); }
 
 Eigen::Index count_equations(const std::vector<JointEquations>& joints) {
@@ -58,7 +58,6 @@ void SingularPosition::make_room(const std::vector<JointEquations>& joints, Eige
     for (Eigen::MatrixXd* list : {&half_, &end_}) list->setZero(6 * bodies, equations);
     found_.let_go.reserve(joints.size());
     before_.let_go.reserve(joints.size());
-    order_.resize(equations);
     pivoted_ = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(half_.rows(), half_.cols());
 }
 
@@ -113,7 +112,7 @@ bool SingularPosition::is_suspected(const JointSystem& joints, const BlockMatrix
 void SingularPosition::find(const JointSystem& joints, const std::vector<BodyState>& now, const std::vector<BodyState>& half,
                             const std::vector<BodyState>& end) {
     decide(joints.joints(), now, half, end);
-    // What is hidden here is redundant: it is suspect again where it has shown itself and vanishes
+    // A hidden equation is redundant here. It becomes suspect again after its distance has shown itself and vanished.
     if (found_.is_clear)
         for (Distance& known : distances_)
             if (known.last == 0) known.largest = 0;
@@ -157,19 +156,20 @@ void SingularPosition::decide(const std::vector<JointEquations>& joints, const s
         return (pivoted_.matrixQR().diagonal().head(count).array().abs() > least).count();
     };
     pivoted_.compute(end_);
-    const Eigen::Index told_apart_at_end = rank(kRedundant);
+    const Eigen::Index independent_at_end = rank(kRedundant);
     pivoted_.compute(half_);
-    order_ = pivoted_.colsPermutation().indices();
+    const auto& order = pivoted_.colsPermutation().indices();
     const double hidden = std::sqrt(JointSystem::kProximal / kSlowOnJoints);  // nearer, E makes a pass slow
-    const Eigen::Index kept = rank(std::max(0.5 * change / std::sqrt(kSlowOnJoints), hidden)), told_apart = rank(kRedundant);
-    const bool all_decided = kept >= std::max(told_apart, told_apart_at_end);
+    const Eigen::Index kept = rank(std::max(0.5 * change / std::sqrt(kSlowOnJoints), hidden)),
+                       independent = rank(kRedundant);
+    const bool all_decided = kept >= std::max(independent, independent_at_end);
     if (kept > 0) found_.least = std::abs(pivoted_.matrixQR()(kept - 1, kept - 1));
     found_.is_near = !all_decided || found_.least < change / kSlowOnJoints;
-    found_.is_clear = !found_.is_near && kept == told_apart && found_.least > hidden_distance();
+    found_.is_clear = !found_.is_near && kept == independent && found_.least > hidden_distance();
     if (all_decided) return;
     found_.let_go.assign(joints.size(), 0);
-    for (Eigen::Index i = kept; i < order_.size(); ++i) {
-        Eigen::Index row = order_(i);
+    for (Eigen::Index i = kept; i < order.size(); ++i) {
+        Eigen::Index row = order(i);
         size_t j = 0;
         for (; row >= joints[j].lasting(); ++j) row -= joints[j].lasting();
         found_.let_go[j] |= 1u << row;

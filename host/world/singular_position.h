@@ -23,7 +23,7 @@ bool form_loop(const std::vector<Joint>& joints);
 /// momentum, and the steps that follow close the joint, as C is of second order in what they have moved.
 class SingularPosition {
 public:
-    /// have_loop: of the joints; where they have none there is next to nothing to find, and room for it is made late.
+    /// have_loop: the joints form a loop. Only then is working memory allocated here; without one, when find() is called.
     SingularPosition(const JointSystem& joints, bool have_loop);
 
     /// Opens a solution of a step: all equations hold, the matrix is that at t_n.
@@ -80,7 +80,6 @@ private:
     // Of find():
     Eigen::MatrixXd half_, end_;
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivoted_;
-    Eigen::VectorXi order_;
 };
 
 }  // namespace dttmm::host

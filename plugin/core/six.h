@@ -29,7 +29,6 @@ struct Six {
     [[gnu::always_inline]] friend Six operator+(const Six& a, const Six& b) { return {a.head + b.head, a.tail + b.tail}; }
     [[gnu::always_inline]] friend Six operator-(const Six& a, const Six& b) { return {a.head - b.head, a.tail - b.tail}; }
     [[gnu::always_inline]] friend Six operator*(const Six& a, double b) { return {a.head * b, a.tail * b}; }
-    [[gnu::always_inline]] friend Six operator/(const Six& a, double b) { return {Lanes(a.head.values / b), a.tail / b}; }
     /// Number by number.
     [[gnu::always_inline]] friend Six operator*(const Six& a, const Six& b) { return {a.head * b.head, a.tail * b.tail}; }
 };

@@ -242,8 +242,8 @@ typedef struct dttmm_progress {
     double enough;     /* a correction that is not larger is rounding [m/s] */
     double residual;   /* the largest momentum that lacked before this iteration, but for what is rounding [N s] */
     double impulse;    /* the largest of an element over the step [N s] */
-    int32_t is_new;    /* non-zero: rates of convergence of other steps say nothing of this one, nor this one's of them;
-                          above zero: so many matrices were formed for this step up to now */
+    int32_t is_new;    /* non-zero: rates of convergence of other steps do not apply to this step, nor its rates to them;
+                          if positive: number of matrices formed in this step so far */
     int32_t element;   /* which is worst; -1: unknown */
 } dttmm_progress;
 

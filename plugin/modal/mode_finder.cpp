@@ -49,8 +49,8 @@ constexpr double kWiden = 4;
 constexpr double kNarrow = 1.3;
 /// Of inverse iteration with one factor, range 2 (below it ASlowSpringIsNoRigidBodyMode) to 8, none fails. And of Newton's
 /// iteration, which converges quadratically: after a correction of √ε of λ the next one is rounding. Where that is larger it
-/// is stopped after so many passes, and the bracket has what is left. Range 4 to 16, none fails.
-constexpr int kMostPasses = 4;
+/// is stopped after so many passes, and the bracket has the remaining error. Range 4 to 16, none fails.
+constexpr int kMostPasses = 5;
 const double kConverged = std::sqrt(std::numeric_limits<double>::epsilon());
 
 double hertz(double omega) { return omega / (2 * M_PI); }

@@ -73,20 +73,6 @@ Elimination::Fault fault_at(const EliminationOrder& order, const EliminationOrde
     return fault;
 }
 
-/// C −= A B, and C −= Aᵀ B.
-DTTMM_WIDE void take_off(const Matrix6& A, const Matrix6& B, Matrix6& C) {
-    for (int column = 0; column < 36; column += 6) {
-        double* const into = C.data() + column;
-        (Six(into) - product(A.data(), B.data() + column)).store(into);
-    }
-}
-DTTMM_WIDE void take_transposed_off(const Matrix6& A, const Matrix6& B, Matrix6& C) {
-    for (int column = 0; column < 36; column += 6) {
-        double* const into = C.data() + column;
-        (Six(into) - transposed_product(A.data(), B.data() + column)).store(into);
-    }
-}
-
 }  // namespace
 
 Elimination::Elimination(int frame_count, const std::vector<Link>& links, double least_lever)
@@ -197,20 +183,12 @@ bool Elimination::factor_elastic(const Pivot& pivot, Fault& fault) {
         Matrix6& coupling = couplings_[as_size(index)];
         met_[i] = coupling;
         coupling = block.solve(met_[i]);
-        take_transposed_off(met_[i], coupling, diagonal_[as_size(neighbour)]);
+        diagonal_[as_size(neighbour)] -= met_[i].transpose() * coupling;
     }
     size_t fill = 0;
-    for (size_t i = 0; i + 1 < pivot.neighbours.size(); ++i) {
-        const Matrix6 transposed = met_[i].transpose();
-        for (size_t j = i + 1; j < pivot.neighbours.size(); ++j) {
-            const int into = pivot.fills[fill++];
-            const Matrix6& solved = couplings_[as_size(pivot.neighbours[j].coupling)];
-            if (order_->couplings()[as_size(into)].row == pivot.neighbours[i].frame)
-                take_off(transposed, solved, couplings_[as_size(into)]);
-            else
-                take_transposed_off(solved, met_[i], couplings_[as_size(into)]);
-        }
-    }
+    for (size_t i = 0; i < pivot.neighbours.size(); ++i)
+        for (size_t j = i + 1; j < pivot.neighbours.size(); ++j)
+            fill_in(pivot, pivot.fills[fill++], i, met_[i].transpose() * couplings_[as_size(pivot.neighbours[j].coupling)]);
     return true;
 }
 

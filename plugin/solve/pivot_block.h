@@ -25,9 +25,6 @@ bool is_clearly_positive(const Square& block) {
     return least * least > kClearPivot * largest * largest;
 }
 
-/// Solves L U x = b for six right-hand sides in place, which stand side by side in n rows. LU: column by column.
-void substitute_six(const double* LU, Eigen::Index n, Eigen::Index stride, double* rows);
-
 /// The block of a pivot after full-pivot elimination, in units that balance it. An elastic one has its own size at
 /// compile time: there are many.
 template <class Square>
@@ -87,15 +84,11 @@ private:
         const Eigen::Index n = B.rows();
         Eigen::Matrix<double, Columns::ColsAtCompileTime, kSize, 0, Columns::MaxColsAtCompileTime, kMost> rows(B.cols(), n);
         for (Eigen::Index i = 0; i < n; ++i) rows.col(from(i)) = B.row(i).transpose();
-        if constexpr (Columns::ColsAtCompileTime == 6) {
-            substitute_six(LU.data(), n, LU.outerStride(), rows.data());
-        } else {
-            for (Eigen::Index i = 1; i < n; ++i)
-                for (Eigen::Index k = 0; k < i; ++k) rows.col(i) -= LU(i, k) * rows.col(k);
-            for (Eigen::Index i = n; i-- > 0;) {
-                for (Eigen::Index k = i + 1; k < n; ++k) rows.col(i) -= LU(i, k) * rows.col(k);
-                rows.col(i) /= LU(i, i);
-            }
+        for (Eigen::Index i = 1; i < n; ++i)
+            for (Eigen::Index k = 0; k < i; ++k) rows.col(i) -= LU(i, k) * rows.col(k);
+        for (Eigen::Index i = n; i-- > 0;) {
+            for (Eigen::Index k = i + 1; k < n; ++k) rows.col(i) -= LU(i, k) * rows.col(k);
+            rows.col(i) /= LU(i, i);
         }
         Columns x(n, B.cols());
         for (Eigen::Index i = 0; i < n; ++i) x.row(to(i)) = rows.col(i).transpose();

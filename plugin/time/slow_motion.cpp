@@ -11,8 +11,9 @@ namespace dttmm::plugin {
 
 namespace {
 
-/// Rate of the motion [1/s]. A spring that makes its frames swing at ω costs about 3/log10(1 + ω²/s²) more solutions.
-constexpr double kRate = 1e-2;
+/// Rate s of the motion [1/s]; 1e-3 to 1e-6 pass the same tests. A spring that makes its frames swing at ω needs about
+/// 14/log10(1 + ω²/s²) solutions, and a damper C on a spring K 14/log10(1 + K/(s C)).
+constexpr double kRate = 1e-4;
 
 /// Of one joint, in the axes of its frames. tangent: as Joint::stiffness_tangent() has it.
 template <class Tangent>
@@ -70,6 +71,8 @@ SlowMotion::SlowMotion(const Inside& inside, const Elimination& pattern, const s
     : inside_(inside), at_(at), given_(std::move(given)), matrix_(pattern) {
     for (size_t j : inside.port_joints)
         at_ports_.push_back({springs_of(inside.mechanism, j, at), dampers_of(inside.mechanism, j, at, kRate)});
+    for (size_t j = 0; j < inside.mechanism.joints.size(); ++j)
+        if (inside.mechanism.joints[j].is_damped()) damped_.push_back({j, dampers_of(inside.mechanism, j, at, kRate)});
     form_dynamic_stiffness(inside, at, kRate, matrix_);
     hold_given();
     if (!matrix_.factor()) return;
@@ -82,7 +85,7 @@ SlowMotion::SlowMotion(const Inside& inside, const Elimination& pattern, const s
 /// Adds to every inertia so much that it shows beside the stiffness that holds its frame: in a slow motion it may otherwise
 /// vanish in rounding, and a motion that nothing else resists be undetermined.
 void SlowMotion::make_heavier() {
-    constexpr double kLeastShare = 1e-9;
+    constexpr double kLeastShare = 1e-9;  // 1e-7 to 1e-11 pass the same tests
     heavier_.assign(inside_.inertias.size(), Vector6::Zero());
     for (size_t i = 0; i < heavier_.size(); ++i) {
         const Matrix6& own = matrix_.diagonal(as_int(i));
@@ -97,17 +100,18 @@ void SlowMotion::make_heavier() {
 
 /// The stiffness of the rows of given velocities.
 void SlowMotion::hold_given() {
-    constexpr double kHold = 1e4;  // of the frame's own: a solution then leaves at most 1e-4 of what was open
-    // Of a frame that has none of its own, as one that rigid directions alone hold: that of the others
+    constexpr double kHold = 1e4;      // of the frame's own: a solution then leaves at most 1e-4 of what was open
+    std::vector<Eigen::Vector2d> own;  // before any of them is held
     Eigen::Vector2d largest(0, 0);
-    const auto own_of = [&](int i) {
-        const Matrix6& own = matrix_.diagonal(i);
-        return Eigen::Vector2d(own.topLeftCorner<3, 3>().trace(), own.bottomRightCorner<3, 3>().trace());
-    };
-    for (int i = 0; !given_.empty() && i < inside_.count; ++i) largest = largest.cwiseMax(own_of(i));
+    for (int i = 0; !given_.empty() && i < inside_.count; ++i) {
+        const Matrix6& K = matrix_.diagonal(i);
+        own.emplace_back(K.topLeftCorner<3, 3>().trace(), K.bottomRightCorner<3, 3>().trace());
+        largest = largest.cwiseMax(own.back());
+    }
     rows_.clear();
     for (const GivenVelocity& given : given_) {
-        Eigen::Vector2d held = own_of(as_int(given.inner));
+        // Of a frame that has none of its own, as one that rigid directions alone hold: that of the others
+        Eigen::Vector2d held = own[given.inner];
         for (int half : {0, 1})
             if (!(held(half) > 0)) held(half) = largest(half) > 0 ? largest(half) : 1;
         const double translation = kHold * held(0);
@@ -151,10 +155,9 @@ void SlowMotion::add_resistance(std::span<const Vector6> motion, bool with_dampe
         load[i] += kRate * kRate * mass_matrix(inside_.inertias[i]) * motion[i];
         if (!heavier_.empty()) load[i] += heavier_[i].cwiseProduct(motion[i]);
     }
-    for (size_t j = 0; with_dampers && j < mechanism.joints.size(); ++j) {
-        const Joint& joint = mechanism.joints[j];
-        if (!joint.is_damped()) continue;
-        const EndBlocks C = dampers_of(mechanism, j, at_, kRate);
+    for (size_t k = 0; with_dampers && k < damped_.size(); ++k) {
+        const Joint& joint = mechanism.joints[damped_[k].joint];
+        const EndBlocks& C = damped_[k].C;
         for (int row : {0, 1})
             for (int column : {0, 1})
                 if (inside_.is_inner(joint.frame(row)) && inside_.is_inner(joint.frame(column)))
@@ -174,7 +177,7 @@ double SlowMotion::largest(std::span<const Vector6> of_inner) const {
 void SlowMotion::follow(std::span<Vector6> motion, std::span<double> q) const {
     std::ranges::fill(inside_.inner(motion), Vector6::Zero());
     settle(false, motion, q);
-    if (std::ranges::any_of(inside_.mechanism.joints, &Joint::is_damped)) settle(true, motion, q);
+    if (!damped_.empty()) settle(true, motion, q);
 }
 
 /// Repeats the solution about the one before until nothing changes. by_springs: dampers, too, count for the proximal term
@@ -195,8 +198,9 @@ void SlowMotion::settle(bool by_springs, std::span<Vector6> motion, std::span<do
         for (size_t i = 0; i < next.size(); ++i) inner[i] = next[i] - inner[i];
         const double before = std::exchange(change, largest(inner));
         std::ranges::copy(next, inner.begin());
-        if (change <= kRoundingOfSums * largest(inner)) return;
-        if (pass > 1 && change > 0.5 * before) return;  // rounding, or what holds it is next to nothing
+        const double size = largest(inner);
+        if (change <= kRoundingOfSums * size) return;
+        if (pass > 1 && change > 0.5 * before && change <= kNextToNothing * size) return;  // rounding
     }
 }
 

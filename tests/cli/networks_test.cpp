@@ -458,8 +458,8 @@ g1 = { position = [0.53, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
     };
     const Ended rigid = run_frame(folder, "run", model(""));
     EXPECT_EQ(rigid.code, 4) << rigid.err;
-    EXPECT_THAT(rigid.err, HasSubstr("elements with rigid directions close a loop there: at a singular position of it give "
-                                     "them a stiffness, elsewhere try a smaller step"));
+    EXPECT_THAT(rigid.err, HasSubstr("elements with rigid directions form a closed loop in this model. If the loop is at a "
+                                     "singular position, give one of them a stiffness; otherwise try a smaller step"));
     const Ended gives = run_frame(folder, "run", model(", x = 1e8, y = 1e8"));
     EXPECT_EQ(gives.code, 0) << gives.err;
 }

@@ -110,7 +110,7 @@ TEST(TraceOption, TellsHowEveryStepWasFound) {
     EXPECT_EQ(worst["passes"], most);
     EXPECT_EQ(trace.number(row, kPasses), most);
     for (size_t n = 0; n < row; ++n) EXPECT_LT(trace.number(n, kPasses), most) << "the first of them";
-    EXPECT_NE(worst["why"], "");
+    EXPECT_THAT(worst["why"].get<std::string>(), testing::AnyOf(HasSubstr("times the one before"), HasSubstr("fell fast")));
     EXPECT_THAT(worst["waited_for"].get<std::string>(),
                 testing::AnyOf("body \"load\" on element \"beam\"", "element \"beam\" (plugin built in)"));
 }
@@ -178,10 +178,13 @@ stiffness = 4e6
 )");
     ASSERT_EQ(run_dttmm(folder.path(), {"run", "body.toml", "-o", "out", "--trace", "steps.csv"}).code, 0);
     const Trace body(folder / "steps.csv");
+    int compared = 0;
     for (size_t n = 1; n < body.rows.size(); ++n) {
         if (body.number(n, kResidual) < 1e-10) continue;
+        ++compared;
         EXPECT_NEAR(body.number(n, kResidual) / body.number(n, kCorrection), (2 + 1e-6 * 4e6 / 4) / std::sqrt(2), 0.03) << n;
     }
+    EXPECT_GT(compared, 30);
 }
 
 // Oracle: the step named by the error, which stops at 50 passes.

@@ -28,6 +28,13 @@ struct Units {
     double area() const { return length * length; }
 };
 
+/// How stiff parts may be.
+struct Stiffest {
+    double decades = 2;  ///< of ωh
+    double most = 1e9;   ///< [N/m]: what rounding of positions makes of that is a force of 1e-6 N
+};
+inline constexpr Stiffest kHard{3, 1e13};  ///< k h²/m up to 1e6
+
 /// A model file drawn from a seed: bodies light and heavy in a tree, held by springs, ideal joints, beams, rods and chains
 /// of these through nodes with and without masses; loops; parts stiff and soft beside the step (ωh from 0.01 to 100); loads
 /// and gravity. The same seed gives the same machine wherever it stands, and by every compiler: no two numbers are drawn in
@@ -35,8 +42,9 @@ struct Units {
 class RandomMachine {
 public:
     /// steps: of the run.
-    explicit RandomMachine(uint64_t seed, int steps = 40, const Placement& placement = {}, const Units& units = {})
-        : random_(seed), placement_(placement), units_(units) {
+    explicit RandomMachine(uint64_t seed, int steps = 40, const Placement& placement = {}, const Units& units = {},
+                           const Stiffest& stiffest = {})
+        : random_(seed), placement_(placement), units_(units), stiffest_(stiffest) {
         constexpr double kSteps[] = {1e-4, 2e-4, 5e-4, 1e-3};
         step_ = kSteps[pick(4)];
         const bool has_gravity = chance(0.5);
@@ -59,6 +67,7 @@ public:
     }
     /// Without its format.
     const std::string& text() const { return text_; }
+    double step() const { return units_.time * step_; }  ///< [s]
 
 private:
     struct Body {
@@ -134,9 +143,10 @@ private:
     std::string element(const char* type) {
         return fmt::format("[[element]]\nname = \"e{}\"\ntype = \"{}\"\n", element_count_++, type);
     }
-    /// A stiffness whose ωh is somewhere between soft and hard for a mass. At most 1e9 N/m: what rounding of positions makes
-    /// of that is a force of 1e-6 N.
-    double stiffness(double mass) { return std::min(1e9, mass * std::pow(power(-2, 2) / step_, 2)); }
+    /// A stiffness whose ωh is somewhere between soft and hard for a mass.
+    double stiffness(double mass) {
+        return std::min(stiffest_.most, mass * std::pow(power(-2, stiffest_.decades) / step_, 2));
+    }
 
     void add_spring(int from_body, int to_body) {
         const std::string to = end(to_body, pick(kMarkers)), from = end(from_body, pick(kMarkers));
@@ -253,6 +263,7 @@ private:
     std::mt19937_64 random_;
     Placement placement_;
     Units units_;
+    Stiffest stiffest_;
     double step_;
     std::vector<Body> bodies_;
     std::vector<Eigen::Vector3d> markers_;

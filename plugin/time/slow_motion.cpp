@@ -11,7 +11,7 @@ namespace dttmm::plugin {
 
 namespace {
 
-/// Rate s of the motion [1/s]; 1e-3 to 1e-6 pass the same tests. A spring that makes its frames swing at ω needs about
+/// Rate s of the motion [1/s]; 1e-3 to 1e-5 pass the same tests. A spring that makes its frames swing at ω needs about
 /// 14/log10(1 + ω²/s²) solutions, and a damper C on a spring K 14/log10(1 + K/(s C)).
 constexpr double kRate = 1e-4;
 
@@ -100,23 +100,19 @@ void SlowMotion::make_heavier() {
 
 /// The stiffness of the rows of given velocities.
 void SlowMotion::hold_given() {
-    constexpr double kHold = 1e4;      // of the frame's own: a solution then leaves at most 1e-4 of what was open
-    std::vector<Eigen::Vector2d> own;  // before any of them is held
+    constexpr double kHold = 1e4;  // of the stiffest frame: a solution leaves at most 1e-4 of what was open
     Eigen::Vector2d largest(0, 0);
     for (int i = 0; !given_.empty() && i < inside_.count; ++i) {
         const Matrix6& K = matrix_.diagonal(i);
-        own.emplace_back(K.topLeftCorner<3, 3>().trace(), K.bottomRightCorner<3, 3>().trace());
-        largest = largest.cwiseMax(own.back());
+        largest = largest.cwiseMax(Eigen::Vector2d(K.topLeftCorner<3, 3>().trace(), K.bottomRightCorner<3, 3>().trace()));
     }
+    for (double& held : largest)
+        if (!(held > 0)) held = 1;
     rows_.clear();
     for (const GivenVelocity& given : given_) {
-        // Of a frame that has none of its own, as one that rigid directions alone hold: that of the others
-        Eigen::Vector2d held = own[given.inner];
-        for (int half : {0, 1})
-            if (!(held(half) > 0)) held(half) = largest(half) > 0 ? largest(half) : 1;
-        const double translation = kHold * held(0);
+        const double translation = kHold * largest(0);
         // What holds the translation at a lever turns the frame too, and must not drown what holds the rotation
-        const double rotation = std::max(kHold * held(1), given.offset.squaredNorm() * translation);
+        const double rotation = std::max(kHold * largest(1), given.offset.squaredNorm() * translation);
         Row& row = rows_.emplace_back();
         // v_node = v − offset × ω in the frame's axes
         row.G.setIdentity();

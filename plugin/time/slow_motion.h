@@ -24,7 +24,7 @@ struct GivenVelocity {
 /// none of either, by masses. The equations are those of a motion at a small rate. What masses resist where dampers hold,
 /// and both where springs do, is a proximal term: the next solution has it about the one before, so in the end it moves
 /// nothing there. Velocities given to nodes are rows with multipliers. Rows may say the same as rigid directions do, so each
-/// also has a stiffness beside the frame's own.
+/// also has a stiffness, more than any frame's own.
 /// Sources: Rockafellar (1976), Monotone operators and the proximal point algorithm, SIAM J. Control Optim. 14, 877–898;
 /// Hestenes (1969), Multiplier and gradient methods, J. Optim. Theory Appl. 4, 303–320.
 class SlowMotion {

@@ -308,7 +308,7 @@ TEST(Networks, FaultsOnTheWayTellTheTime) {
     EXPECT_EQ(turned.code, 4) << turned.err;
     EXPECT_THAT(turned.err, HasSubstr("t = 0.026 s: element \"hinge\" (plugin built in): "));
     EXPECT_THAT(turned.err, HasSubstr("have turned 2.6"));
-    const Ended lost = run_frame(folder, "run", wheel_with("angular_velocity = [0, 2000, 0]") + R"(
+    const Ended lost = run_frame(folder, "run", wheel_with("angular_velocity = [0, 1200, 0]") + R"(
 [nodes.tip]
 position = [0.5, 0.1, 0]
 
@@ -322,8 +322,9 @@ section = { tube = ["40 mm", "30 mm"] }
 material = { E = "210 GPa", poisson = 0.3, density = "7850 kg/m^3" }
 )");
     EXPECT_EQ(lost.code, 4) << lost.err;
-    EXPECT_THAT(lost.err,
-                HasSubstr("t = 0 s: element \"spoke\" (plugin built in): the motion inside the network was not found"));
+    // In 50 passes, or beyond all numbers before: rounding decides
+    EXPECT_THAT(lost.err, HasSubstr("t = 0 s: element \"spoke\" (plugin built in): the motion inside "));
+    EXPECT_THAT(lost.err, HasSubstr("was not found"));
 }
 
 // Oracle: closed form, twice a force that comes at once. A rod has no inertia about its own axis:

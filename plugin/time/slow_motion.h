@@ -60,11 +60,6 @@ private:
     std::vector<GivenVelocity> given_;
     std::vector<Row> rows_;  ///< of these
     Elimination matrix_;
-    struct Damped {
-        size_t joint;
-        EndBlocks C;  ///< times the rate
-    };
-    std::vector<Damped> damped_;
     std::vector<Vector6> heavier_;  ///< added to the inertias; empty: nothing
     struct AtPort {
         EndBlocks springs, dampers;

@@ -170,6 +170,7 @@ const PluginFault kPluginFaults[] = {
     {"nan_at_step_1000", 4, "on body \"plate\" at t = 1 s: force (0, nan, 0) N", 200},
     {"error_at_step_1000", 7, "the spring has melted", 200},
     {"huge", 4, "beyond the cap of 1e+15", 0},
+    {"large", 4, "beyond the cap of 1e+15", 0},
     {"overrun", 7, "wrote past the end of the wrench array", 0},
     {"silent_error", 7, "status -99 without a text", 0},
     {"always_rough", 4, "the motion inside was not found in 50 passes (last correction 1.0e+00 m/s)", 0},

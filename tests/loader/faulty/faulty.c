@@ -51,6 +51,7 @@ enum fault {
     rounding_mode,
     nan_at_step_1000,
     huge,
+    large,
     overrun,
     error_at_step_1000,
     silent_error,
@@ -260,6 +261,7 @@ static dttmm_status evaluate(const dttmm_instance *instance, const dttmm_motion 
     write_zeros(instance, wrench, stiffness);
     if (FAULT == silent_error) return -99;
     if (FAULT == huge) wrench[2] = 1e300;
+    if (FAULT == large) wrench[2] = 1e20;
     if (FAULT == overrun) wrench[6 * instance->body_count] = 0;
     if (FAULT == underrun) wrench[-1] = 0;
     if (instance->step == FAILING_STEP) crash();

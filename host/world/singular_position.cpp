@@ -28,18 +28,27 @@ Eigen::Index count_equations(const std::vector<JointEquations>& joints) {
 
 }  // namespace
 
-bool form_loop(const std::vector<Joint>& joints) {
-    std::map<int, int> towards;  // the root of a tree of bodies; roots have none. The ground is −1
-    const auto root = [&](int body) {
-        for (auto next = towards.find(body); next != towards.end(); next = towards.find(body)) body = next->second;
-        return body;
+bool form_loop(const std::vector<std::pair<int, int>>& links) {
+    std::map<int, int> towards;  // the root of a tree; roots have none
+    const auto root = [&](int of) {
+        for (auto next = towards.find(of); next != towards.end(); next = towards.find(of)) {
+            if (const auto after = towards.find(next->second); after != towards.end()) next->second = after->second;
+            of = next->second;
+        }
+        return of;
     };
-    for (const Joint& joint : joints) {
-        const int one = root(joint.first), other = root(joint.second);
+    for (const auto& [first, second] : links) {
+        const int one = root(first), other = root(second);
         if (one == other) return true;
         towards[one] = other;
     }
     return false;
+}
+
+bool form_loop(const std::vector<Joint>& joints) {
+    std::vector<std::pair<int, int>> links;
+    for (const Joint& joint : joints) links.emplace_back(joint.first, joint.second);
+    return form_loop(links);
 }
 
 SingularPosition::SingularPosition(const JointSystem& joints, bool have_loop) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/QR>
+#include <utility>
 #include <vector>
 
 #include "model/model.h"
@@ -14,6 +15,8 @@ namespace dttmm::host {
 
 /// Whether joints close a loop of bodies, the ground among them. Only then can their equations depend on each other.
 bool form_loop(const std::vector<Joint>& joints);
+/// The same of any links between numbered things; −1: the ground.
+bool form_loop(const std::vector<std::pair<int, int>>& links);
 
 /// Finds the steps in which a linkage passes a singular position. The linkage has one free motion more there: a combination
 /// of equations w obeys wᵀ J = σ dᵀ, and σ passes through zero. With σ₀, σ₁ at the ends of a step and σ half way, a pass of

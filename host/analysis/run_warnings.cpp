@@ -296,7 +296,7 @@ void warn_singular_positions(const Simulation& simulation, const Model& model, W
 
 /// Impacts that fall within two steps.
 void warn_lost_impacts(const Simulation& simulation, const Model& model, Warnings& warnings) {
-    const EndOfStep::LostImpacts& lost = simulation.end_of_step().lost_impacts();
+    const StepStops::LostImpacts& lost = simulation.end_of_step().stops().lost_impacts();
     if (lost.steps == 0) return;
     warnings.add("impacts-together",
                  fmt::format("two stops are reached within two steps, the first time at t = {:.4g} s (joint \"{}\"), {} in "
@@ -326,7 +326,7 @@ void warn_unresolved(const Halving& halving, Warnings& warnings) {
 
 /// Where stops are reached together, errors are of first order with a factor that changes from step to step.
 void warn_close_impacts(const Simulation& simulation, Warnings& warnings) {
-    if (const long steps = simulation.end_of_step().close_impacts(); steps > 0)
+    if (const long steps = simulation.end_of_step().stops().close_impacts(); steps > 0)
         warnings.add("close-impacts",
                      fmt::format("{} a stop is reached within two steps of another one. There the motion is of first order, "
                                  "and the errors that are stated may be several times too small",

@@ -19,8 +19,6 @@ EndOfStep::EndOfStep(const Model& model, const Networks& networks, bool have_rig
       have_rigid_loop_(have_rigid_loop),
       singular_(equations_.joint_system(), have_loop_),
       stops_(model.joints.size()),
-      stops_before_(model.joints.size()),
-      reached_(model.joints.size()),
       wrenches_(6 * model.bodies.size()) {
     for (BodyVectors* list : {&previous_u_, &base_u_, &feedback_}) *list = equations_.u();
 }
@@ -29,7 +27,7 @@ std::vector<BodyState> EndOfStep::start(double h, const std::vector<BodyState>& 
     trial_ = at;
     if (!joints_.empty()) half_ = at;
     equations_.start(h);
-    equations_.place_before_start(at, stops_);
+    stops_.start(equations_, at);
     std::vector<BodyState> half_step_back = at;
     for (size_t b = 0; b < at.size(); ++b) {
         const auto& a = accelerations[b];
@@ -43,13 +41,11 @@ std::vector<BodyState> EndOfStep::start(double h, const std::vector<BodyState>& 
 
 void EndOfStep::begin_step(const dttmm_step& step, const std::vector<BodyState>& now, const Loads& loads) {
     open_ = {step.index, step.time};
-    stops_before_ = stops_;
-    may_leave_stops_ = true;
-    lets_go_struck_ = false;
+    stops_.begin_step();
     std::ranges::fill(wrenches_, 0.0);
     loads.add_over_step(now, wrenches_.data());
     equations_.begin_step(now, wrenches_);
-    equations_.follow_impact(now, previous_u_, stops_before_);
+    equations_.follow_impact(now, previous_u_, stops_.before());
     for (size_t b = 0; b < now.size(); ++b) {
         Eigen::Matrix<double, 6, 1> before;
         before << now[b].velocity, now[b].angular_velocity;
@@ -60,22 +56,17 @@ void EndOfStep::begin_step(const dttmm_step& step, const std::vector<BodyState>&
 }
 
 const BodyVectors& EndOfStep::solve(const std::vector<BodyState>& now, Networks& networks) {
-    equations_.joint_system().find_stops(now, stops_before_, reached_);
-    stops_ = reached_;
-    for (size_t j = 0; j < stops_.size(); ++j)  // the free motion decides whether they are left at once
-        if (stops_before_[j].is_foreseen) stops_[j].let_go();
+    stops_.find(equations_.joint_system(), now);
     if (!find_end(now, networks)) {
         // A stop at a dead centre can hold the joints open: it lets go
-        if (std::ranges::none_of(stops_, &Stop::acts)) refuse(networks);
-        for (Stop& stop : reached_) stop.let_go();
-        stops_ = reached_;
+        if (!stops_.let_go()) refuse(networks);
         equations_.u() = previous_u_;
         if (!find_end(now, networks)) refuse(networks);
     }
     networks.refuse_large_wrenches();
     if (open_.passes > worst_.passes) worst_ = report();
     singular_.count(open_.time);
-    see_close_impacts();
+    stops_.count(open_.time);
     if (!joints_.empty()) equations_.move(now, equations_.h(), trial_);
     equations_.write_feedback(now, feedback_);
     return feedback_;
@@ -115,9 +106,7 @@ bool EndOfStep::find_end(const std::vector<BodyState>& now, Networks& networks) 
         if (!done || pass < first_trusted || !parts_done) continue;
         if (!equations_.joint_system().has_stops()) return true;
         equations_.move(now, equations_.h(), trial_);
-        if (!release_pulling_stops() && !leave_stops() &&
-            !equations_.add_first_stop(trial_, reached_, stops_before_, stops_))
-            return true;
+        if (!stops_.change(equations_, trial_)) return true;
         linearise_joints(now);
         has_gone_back = has_base = false;  // a stop that lets go takes its impulse along
         first_trusted = pass + 2;
@@ -125,39 +114,8 @@ bool EndOfStep::find_end(const std::vector<BodyState>& now, Networks& networks) 
     return false;
 }
 
-bool EndOfStep::release_pulling_stops() {
-    const auto struck = std::ranges::count_if(stops_, &Stop::is_struck);
-    if (!equations_.release_pulling_stops(stops_)) return false;
-    lets_go_struck_ = lets_go_struck_ || std::ranges::count_if(stops_, &Stop::is_struck) < struck;
-    return true;
-}
-
-/// Counts steps with close impacts, and those in which a stop that was struck in this step or in the one before lets go
-/// because another one is struck.
-void EndOfStep::see_close_impacts() {
-    const auto struck = std::ranges::find_if(stops_, &Stop::is_struck);
-    if (struck == stops_.end()) return;
-    const auto all =
-        std::ranges::count_if(stops_, &Stop::is_struck) + std::ranges::count_if(stops_before_, &Stop::is_struck);
-    if (all > 1 || lets_go_struck_) ++close_impacts_;
-    bool is_lost = lets_go_struck_;
-    for (size_t j = 0; j < stops_.size(); ++j) is_lost = is_lost || (stops_before_[j].is_struck() && !stops_[j].acts);
-    if (!is_lost) return;
-    if (lost_.steps++ == 0) {
-        lost_.time = open_.time;
-        lost_.joint = as_size(struck - stops_.begin());
-    }
-}
-
-/// Once in a step: where another stop ends it, it does not begin again.
-bool EndOfStep::leave_stops() {
-    if (!may_leave_stops_ || !equations_.leave_stops(trial_, stops_before_, stops_)) return false;
-    may_leave_stops_ = false;
-    return true;
-}
-
 void EndOfStep::linearise_joints(const std::vector<BodyState>& now) {
-    equations_.joint_system().linearise(now, singular_.is_near() ? half_ : now, stops_, singular_.let_go());
+    equations_.joint_system().linearise(now, singular_.is_near() ? half_ : now, stops_.now(), singular_.let_go());
     stiffness_wanted_ = true;
 }
 
@@ -223,7 +181,7 @@ bool EndOfStep::judge(int pass, const Networks& networks) {
 
 StepReport EndOfStep::report() const {
     StepReport report = open_;
-    report.stops = as_int(std::ranges::count_if(stops_, &Stop::acts));
+    report.stops = as_int(stops_.number());
     report.residual = equations_.lack();
     convergence_.add_to(report, equations_.correction());
     return report;

@@ -9,6 +9,7 @@
 #include "coupling/step_convergence.h"
 #include "coupling/step_equations.h"
 #include "coupling/step_report.h"
+#include "coupling/step_stops.h"
 #include "model/model.h"
 #include "world/joint_system.h"
 #include "world/singular_position.h"
@@ -60,16 +61,7 @@ public:
     /// kAgreement of their speeds.
     void confirm(const std::vector<BodyState>& after) const;
 
-    /// Steps in which a stop was struck and so made another one let go that had been struck less than two steps before. What
-    /// that one had still to take is lost. Of the first: its time [s], and the joint that was struck last.
-    struct LostImpacts {
-        long steps = 0;
-        double time = 0;
-        size_t joint = 0;
-    };
-    const LostImpacts& lost_impacts() const { return lost_; }
-    /// Steps in which a stop is struck, and another one in the same step or in the one before.
-    long close_impacts() const { return close_impacts_; }
+    const StepStops& stops() const { return stops_; }
 
     /// How the end of the open step was found, or of the last one.
     StepReport report() const;
@@ -85,9 +77,6 @@ public:
 
 private:
     bool find_end(const std::vector<BodyState>& now, Networks& networks);
-    bool release_pulling_stops();
-    bool leave_stops();
-    void see_close_impacts();
     void linearise_joints(const std::vector<BodyState>& now);
     void evaluate(const std::vector<BodyState>& now, Networks& networks);
     void see_singular_position(const std::vector<BodyState>& now, Networks& networks);
@@ -103,13 +92,7 @@ private:
     std::vector<Joint> joints_;
     bool have_loop_, have_rigid_loop_;
     SingularPosition singular_;
-    std::vector<Stop> stops_;         ///< that act over the open step
-    std::vector<Stop> stops_before_;  ///< that acted over the step before
-    std::vector<Stop> reached_;       ///< at t_n
-    bool may_leave_stops_ = true;     ///< over the open step
-    bool lets_go_struck_ = false;     ///< over the open step: a stop that was reached within it
-    LostImpacts lost_;
-    long close_impacts_ = 0;
+    StepStops stops_;
     std::vector<BodyState> trial_, half_;  ///< at the end of the step, and half way
     std::vector<double> wrenches_;         ///< 6 per body
     BodyVectors previous_u_;               ///< over the step before

@@ -154,14 +154,14 @@ void Simulation::step() {
     try {
         move_bodies();
     } catch (...) {
-        if (trace_) trace_(end_of_step_.report());
+        if (sinks_.trace) sinks_.trace(end_of_step_.report());
         throw;
     }
-    if (trace_) trace_(end_of_step_.report());
+    if (sinks_.trace) sinks_.trace(end_of_step_.report());
     refuse_divergence();
     follow_turning();
     networks_.commit_step(after_);
-    if (sink_) observe();
+    if (sinks_.row) observe();
     now_.swap(after_);
     ++index_;
 }
@@ -190,7 +190,7 @@ void Simulation::observe() {
     const bool is_start = index_ == 0 && !networks_.stand();
     const Instant& instant =
         instant_.solve(time(), end_of_step_.equations(), now_, is_start ? first_after_ : after_, networks_, loads_);
-    sink_(observer_.row(time(), networks_, instant));
+    sinks_.row(observer_.row(time(), networks_, instant));
 }
 
 std::string Simulation::describe_speed() const {

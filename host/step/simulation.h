@@ -44,14 +44,14 @@ public:
     using RowSink = std::function<void(std::span<const double>)>;
     /// Where rows go; without one nothing is observed.
     void record_to(RowSink sink) {
-        sink_ = std::move(sink);
+        sinks_.row = std::move(sink);
         observer_.make_room();
     }
     /// Only these channels of the rows count from now on, by their indices; others may be 0.
     void want(std::span<const int> channels) { observer_.want(channels); }
     /// Takes the report of a step: after it, or when it has failed.
     using TraceSink = std::function<void(const StepReport& report)>;
-    void trace_to(TraceSink sink) { trace_ = std::move(sink); }
+    void trace_to(TraceSink sink) { sinks_.trace = std::move(sink); }
     std::string waited_for(const StepReport& report) const { return end_of_step_.waited_for(report, networks_); }
     const std::vector<Channel>& channels() const { return observer_.channels(); }
     const std::vector<Limit>& limits() const { return observer_.limits(); }
@@ -120,8 +120,11 @@ private:
     std::unique_ptr<Equilibrium> equilibrium_;  ///< until the first step: it takes memory
     std::optional<ExplicitLimit> limit_;
     Observer observer_;
-    RowSink sink_;
-    TraceSink trace_;
+    struct Sinks {
+        RowSink row;
+        TraceSink trace;
+    };
+    Sinks sinks_;
     bool asks_ode_ = true;
     std::vector<BodyState> first_after_;  ///< velocities half a step after the start that have the initial ones as their
                                           ///< mean; where networks do not stand

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "statics/static_network.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -23,35 +22,6 @@ std::vector<Link> links_inside(const Mechanism& mechanism) {
     return mechanism.assembly.inner_count() > 0 ? links_of(mechanism) : std::vector<Link>{};
 }
 
-/// Diagonal of the box around all frames [m]; a metre if they coincide.
-double find_span(const Mechanism& mechanism) {
-    Eigen::AlignedBox3d box;
-    for (const FrameSpec& frame : mechanism.assembly.frames) box.extend(frame.pose.position);
-    const double span = box.diagonal().norm();
-    return span > 0 ? span : 1;
-}
-
-/// Lever arm of every inner frame [m], by which moments count as forces and rotations as displacements: to the farthest
-/// joint from its origin, at least the radius of gyration. Where both are zero it is the span of the network.
-std::vector<double> find_reaches(const Mechanism& mechanism, double span) {
-    constexpr double kPoint = 1e-9;  // of the span: rounding of places
-    const std::vector<Frame> frames = described_frames(mechanism);
-    const auto driven = as_size(mechanism.assembly.driven_count);
-    std::vector<double> reaches;
-    for (size_t f = driven; f < frames.size(); ++f) {
-        const FrameSpec& frame = mechanism.assembly.frames[f];
-        reaches.push_back(frame.mass > 0 ? std::sqrt(frame.inertia.trace() / frame.mass) : 0);
-    }
-    for (const Joint& joint : mechanism.joints)
-        for (int end : {0, 1})
-            if (const auto f = as_size(joint.frame(end)); f >= driven)
-                reaches[f - driven] = std::max(
-                    reaches[f - driven], joint.arm(end, frames[as_size(joint.from())], frames[as_size(joint.to())]).norm());
-    for (double& reach : reaches)
-        if (reach <= kPoint * span) reach = span;
-    return reaches;
-}
-
 }  // namespace
 
 StaticNetwork::StaticNetwork(const Mechanism& mechanism, Loading loading)
@@ -60,8 +30,7 @@ StaticNetwork::StaticNetwork(const Mechanism& mechanism, Loading loading)
       driven_(mechanism.assembly.driven_count),
       count_(mechanism.assembly.inner_count()),
       acting_{std::move(loading), Vector3::Zero(), {}},
-      span_(find_span(mechanism)),
-      reach_(find_reaches(mechanism, span_)),
+      size_(mechanism),
       matrix_(count_, links_inside(mechanism), least_lever(mechanism)) {
     constexpr double kSingular = 1e-13;  // as where eigenvalues are not counted
     matrix_.count_negatives(kSingular);
@@ -152,23 +121,24 @@ void StaticNetwork::place_joints() {
 /// Forces on all frames where they are, and how far rigid directions are open.
 void StaticNetwork::find_residuals() {
     std::ranges::fill(residual_.wrenches, Vector6::Zero());
-    force_ = noise_ = 0;
+    residual_.force = residual_.noise = 0;
     for (size_t j = 0; j < joints_.size(); ++j) {
         const auto& [placed, rest] = joints_[j];
         const Joint& joint = placed.joint;
         const JointForce force = carried_force(placed, rest.force, rigid_force(j));
         Joint::add_wrench(force, residual_.wrenches[as_size(joint.from())].data(),
                           residual_.wrenches[as_size(joint.to())].data());
-        force_ = std::max({force_, force.force.norm(), rest.force.tail<3>().norm() / span_});
+        residual_.force = std::max({residual_.force, force.force.norm(), rest.force.tail<3>().norm() / size_.span});
         const double stiffest = joint.law().stiffness.head<3>().maxCoeff(),
                      stiffest_turning = joint.law().stiffness.tail<3>().maxCoeff();
         if (std::isfinite(stiffest))
-            noise_ = std::max(noise_,
-                              stiffest * std::numeric_limits<double>::epsilon() *
-                                  (placed.at.from.origin().norm() + placed.at.to.origin().norm() + placed.pose.arm.norm()));
+            residual_.noise = std::max(residual_.noise, stiffest * std::numeric_limits<double>::epsilon() *
+                                                            (placed.at.from.origin().norm() + placed.at.to.origin().norm() +
+                                                             placed.pose.arm.norm()));
         for (int end : {0, 1})
             if (const int frame = joint.frame(end); is_inner(frame) && std::isfinite(stiffest_turning))
-                noise_ = std::max(noise_, stiffest_turning * std::numeric_limits<double>::epsilon() / reach_[at(frame)]);
+                residual_.noise = std::max(
+                    residual_.noise, stiffest_turning * std::numeric_limits<double>::epsilon() / size_.reach[at(frame)]);
         if (count_ > 0 && joint.rigid().any()) {
             const Vector6 opening = joint.opening(placed.pose, placed.at.from, placed.at.to);
             for_each_rigid(
@@ -182,22 +152,22 @@ void StaticNetwork::find_residuals() {
         if (!acting_.loading.is_on(f)) continue;
         const Vector6 load = acting_.loading.wrench(f, now_.frames[as_size(f)], acting_.loads.data());
         residual_.wrenches[as_size(f)] += load;
-        force_ = std::max({force_, load.head<3>().norm(), load.tail<3>().norm() / span_});
+        residual_.force = std::max({residual_.force, load.head<3>().norm(), load.tail<3>().norm() / size_.span});
     }
 }
 
 StaticNetwork::Measure StaticNetwork::measure() const {
     Measure measure{};
-    measure.force = force_;
-    measure.noise = noise_;
+    measure.force = residual_.force;
+    measure.noise = residual_.noise;
     measure.element = -1;
     if (count_ > 0) measure.falling = matrix_.negatives();
     for (size_t i = 0; i < correction_.u.size(); ++i) {
         const Vector6& r = residual_.wrenches[as_size(driven_) + i];
         const Vector6& u = correction_.u[i];
         measure.work += u.dot(r);
-        measure.residual = std::max({measure.residual, r.head<3>().norm(), r.tail<3>().norm() / reach_[i]});
-        const double shift = std::max(u.head<3>().norm(), reach_[i] * u.tail<3>().norm());
+        measure.residual = std::max({measure.residual, r.head<3>().norm(), r.tail<3>().norm() / size_.reach[i]});
+        const double shift = std::max(u.head<3>().norm(), size_.reach[i] * u.tail<3>().norm());
         if (shift > measure.shift || !std::isfinite(shift)) {
             measure.shift = shift;
             measure.element = mechanism_.assembly.frames[as_size(driven_) + i].element;
@@ -297,7 +267,7 @@ void StaticNetwork::form(Ports ports, double resistance) {
                                    acting_.loading.stiffness(driven_ + i, at, FrameView(at).origin(), acting_.loads.data()));
             }
             if (!is_held) continue;
-            const double shift = own.topLeftCorner<3, 3>().cwiseAbs().trace(), arm = reach_[as_size(i)],
+            const double shift = own.topLeftCorner<3, 3>().cwiseAbs().trace(), arm = size_.reach[as_size(i)],
                          turn = std::max(own.bottomRightCorner<3, 3>().cwiseAbs().trace(), arm * arm * shift);
             Vector6 more;
             more << Vector3::Constant(kLeastShare * shift), Vector3::Constant(kLeastShare * turn);

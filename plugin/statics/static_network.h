@@ -9,6 +9,7 @@
 #include "mechanism/mechanism.h"
 #include "solve/elimination.h"
 #include "statics/at_rest.h"
+#include "statics/network_size.h"
 #include "statics/resting_joint.h"
 
 namespace dttmm::plugin {
@@ -99,8 +100,7 @@ private:
         std::vector<double> loads;
     };
     Acting acting_;
-    double span_;                ///< of all frames [m]
-    std::vector<double> reach_;  ///< of every inner frame [m]
+    NetworkSize size_;
 
     /// All frames, and the forces of rigid directions.
     struct Place {
@@ -126,6 +126,8 @@ private:
     struct Residual {
         std::vector<Vector6> wrenches;  ///< on all frames, world, at their origins
         std::vector<double> openings;   ///< C
+        double force = 0;               ///< the largest of a joint or a load [N]
+        double noise = 0;               ///< what of a force may be rounding of places [N]
     };
     Residual residual_, base_residual_;
     struct Correction {
@@ -133,7 +135,6 @@ private:
         std::vector<double> q;
     };
     Correction correction_;
-    double force_ = 0, noise_ = 0;
     double resistance_ = 0;
 };
 

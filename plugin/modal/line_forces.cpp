@@ -48,6 +48,16 @@ double least_bending(const Section& section) {
     return is_given(section.EIz) ? std::min(section.EIy, section.EIz) : section.EIy;
 }
 
+/// How far a force in local axes turns the sections against the axis by their shear: by α, whose tangent is f/(GA − N) under
+/// a force f across the axis. factor: of the stiffnesses.
+Vector3 turn_of_section(const Vector3& force, double factor, const Section& section) {
+    Vector3 tangents = Vector3::Zero();
+    if (std::isfinite(section.GAy)) tangents.z() = -force.y() / (factor * section.GAy - force.x());
+    if (std::isfinite(section.GAz)) tangents.y() = force.z() / (factor * section.GAz - force.x());
+    const double size = tangents.norm();
+    return size > 0 ? Vector3(std::atan(size) / size * tangents) : tangents;
+}
+
 }  // namespace
 
 Matrix3 falling(const Vector3& weight, const Vector3& beside) {
@@ -149,15 +159,6 @@ Matrix12 LineForces::stiffness(const Piece& piece, const Section& section, const
         if (factor_ == 0) return Vector3(Vector3::Zero());
         return Vector3((piece.axes.transpose() * at(share).tail<3>()).cwiseQuotient(factor_ * rigidities));
     };
-    // Shear turns the sections against the axis by α, whose tangent is f/(GA − N) under a force f across it
-    const auto turn_of_section = [&](double share) {
-        const Vector3 force = piece.axes.transpose() * at(share).head<3>();
-        Vector3 tangents = Vector3::Zero();
-        if (factor_ != 0 && std::isfinite(section.GAy)) tangents.z() = -force.y() / (factor_ * section.GAy - force.x());
-        if (factor_ != 0 && std::isfinite(section.GAz)) tangents.y() = force.z() / (factor_ * section.GAz - force.x());
-        const double size = tangents.norm();
-        return size > 0 ? Vector3(std::atan(size) / size * tangents) : tangents;
-    };
     // Curvature is linear along the piece and twist constant; its ends lie on the axis, its middle has the axes of the piece
     const Vector3 a = curvature_at(piece.from), b = curvature_at(piece.to);
     const double h = piece.length;
@@ -175,7 +176,7 @@ Matrix12 LineForces::stiffness(const Piece& piece, const Section& section, const
         Vector6 forces = to_local * at(share);
         const Vector3 force = forces.head<3>();
         forces(0) -= (1 - t) * piece.axial[0] + t * piece.axial[1];
-        const Vector3 normal = turn_of_section(share);
+        const Vector3 normal = factor_ == 0 ? Vector3(Vector3::Zero()) : turn_of_section(force, factor_, section);
         const Matrix3 axes = rotation_from_vector<double>(turn + normal);
         Matrix12 form = turning_of_section(forces, turning_load(share));
         if (!known.isZero(0)) form.block<3, 3>(kTurn, kTurn) += falling(weight_of_piece, axes * mass_axis) - known;

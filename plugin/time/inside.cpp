@@ -130,7 +130,7 @@ void Inside::set_reaches() {
     for (const Joint& joint : mechanism.joints) {
         const FrameView from = mechanism.frame(joint.from()), to = mechanism.frame(joint.to());
         const auto reach_out = [&](int frame, double length) {
-            if (frame >= ports && !is_inner(frame)) return;
+            if (length < kSamePoint || (frame >= ports && !is_inner(frame))) return;
             double& longest = is_inner(frame) ? reach[at(frame)] : port_reach[as_size(frame)];
             longest = std::max(longest, length);
         };

@@ -410,6 +410,57 @@ section = {{ EA = 58540, mass = 4.1, inertia = 0.0011 }}
     }
 }
 
+// A rigid body on a guide between two springs. Its point on the guide has a lever of 3e-17 m about the guide, by rounding.
+// Oracle: the same machine moved to where numbers are exact. With that lever the guide was never in balance, and the run
+// ended with code 4.
+TEST(Networks, ALeverThatIsRoundingIsNone) {
+    const TemporaryFolder folder;
+    const auto run = [&](const char* nodes) {
+        write_text(folder / "model.toml", fmt::format(R"(format = "dttmm/1"
+[simulation]
+step = 1e-4
+duration = 0.02
+[nodes]
+{}, velocity = [0, 1, 0] }}
+[[element]]
+name = "outer"
+type = "elastic_hinge"
+from = "ground"
+to = "guide"
+stiffness = {{ y = 2e8, x = "free", rz = "free" }}
+[[element]]
+name = "inner"
+type = "elastic_hinge"
+from = "guide"
+to = "collar"
+stiffness = {{ y = 3e8 }}
+[[element]]
+name = "slide"
+type = "rigid_body"
+at = ["left", "right", "collar"]
+mass = 2
+inertia = {{ xx = 0.1, yy = 0.2, zz = 0.15 }}
+)",
+                                                      nodes));
+        const Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        return read_table(folder / "out/history.csv");
+    };
+    const ResultsTable rounded = run(R"(left = [0.1, 0.3, -0.7]
+right = [0.37, -0.2, -0.1]
+guide = [0.45, 0, -0.2]
+collar = { position = [0.45, 0, -0.2])");
+    const ResultsTable exact = run(R"(left = [0.15, 0.3, -0.75]
+right = [0.42, -0.2, -0.15]
+guide = [0.5, 0, -0.25]
+collar = { position = [0.5, 0, -0.25])");
+    ASSERT_EQ(exact.rows.size(), 201u);
+    ASSERT_EQ(rounded.rows.size(), 201u);
+    for (size_t n = 0; n < exact.rows.size(); ++n)
+        for (const char* column : {"collar.position.y", "collar.rotation.z"})
+            EXPECT_NEAR(rounded.value(n, column), exact.value(n, column), 1e-13) << n;
+}
+
 // A parallelogram of rigid bodies on hinges that falls through the position in which it lies flat. Oracle: with hinges that
 // give a little it runs at the same step; the message says so.
 TEST(Networks, ARigidLoopInASingularPositionIsToBeGivenAStiffness) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <limits>
 
 #include "model/error.h"
@@ -17,9 +18,10 @@ namespace {
 
 /// Of one Newton correction [rad]: the derivative says little of what is farther.
 constexpr double kMostTurn = 0.5;
-/// Of the ends of a joint that turn against each other, as share of what its law holds up to: more may be a kink, to which
-/// large corrections have led. Halves of halves are tried down to a fifth. Of 120 ropes 2 are then found with kinks; 7 from
-/// twice as much on, 1 from half as much on with a third more iterations, 4 where only two are tried, 13 with 0.125 alone.
+/// Of the ends of a joint that turn or shift against each other, as share of what its law holds up to: more may be a kink or
+/// a tear, to which large corrections have led. Halves of halves are tried down to a fifth. Of 120 ropes 2 are then found
+/// with kinks; 7 from twice as much on, 1 from half as much on with a third more iterations, 4 where only two are tried, 13
+/// with 0.125 alone.
 constexpr double kMayBeKink = 0.5, kMostBend = 0.2, kLeastBend = 0.04;
 /// Of what supports and motors ask for in one load step [rad]. Bodies and springs are followed from one load step to the
 /// next: two supports that turn against each other stay within half a turn.
@@ -99,28 +101,38 @@ const RestState& Equilibrium::find(double t0) {
     return state_;
 }
 
-/// The whole load. Beside a long line that hangs there are equilibria with kinks between its links, where their law does not
-/// hold. Where one may be found, smaller corrections look for one that bends joints less, by a tenth at least.
+/// The whole load. Beside a long line that hangs there are equilibria with kinks between its links, or torn ones, where
+/// their law does not hold. Where one may be found, or none is, smaller corrections look for one that lasts, and that
+/// strains joints less, by a tenth at least.
 void Equilibrium::search(double t0) {
+    std::exception_ptr failure;  // the first
     const auto look = [&](double most_bend) {
         most_bend_ = most_bend;
         begin(t0);
-        raise_load(t0, Steps::any);
-    };
-    double best = std::numeric_limits<double>::infinity();
-    look(best);
-    double least = bend();
-    for (double most_bend = kMostBend; least > kMayBeKink && most_bend > kLeastBend; most_bend /= 2) {
         try {
-            look(most_bend);
+            raise_load(t0, Steps::any);
         } catch (const Error& error) {
             if (error.code() != ExitCode::numerical_failure) throw;
-            continue;
+            if (!failure) failure = std::current_exception();
+            return false;
         }
-        const bool is_same = std::abs(bend() - least) <= kBalance * least;
-        if (bend() <= kMayBeKink || bend() < 0.9 * least) least = bend(), best = most_bend;
+        return true;
+    };
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    double best = kNone, least = look(kNone) ? bend() : kNone;
+    if (!bends_) {
+        if (failure) std::rethrow_exception(failure);
+        return;
+    }
+    bool falls = falls_;
+    for (double most_bend = kMostBend; least > kMayBeKink && most_bend > kLeastBend; most_bend /= 2) {
+        if (!look(most_bend)) continue;
+        const bool is_same = falls == falls_ && least < kNone && std::abs(bend() - least) <= kBalance * least,
+                   is_better = bend() <= kMayBeKink || bend() < 0.9 * least;
+        if (least == kNone || (falls == falls_ ? is_better : falls)) falls = falls_, least = bend(), best = most_bend;
         if (is_same) break;  // found twice, it is no chance
     }
+    if (least == kNone) std::rethrow_exception(failure);
     if (most_bend_ != best) look(best);
 }
 
@@ -226,6 +238,7 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
             const bool is_noise = correction.size <= 1e-6 * size.extent && correction.size >= 0.5 * last &&
                                   balance.residual <= std::max(RestState::kNoise * balance.noise, 1e-9 * balance.force);
             last = correction.size;
+            falls_ = correction.falling > 0;
             if (equations_.shares_anew()) {
                 equations_.share_anew(!is_noise && correction.size > kAnew * size.extent);
                 continue;
@@ -261,6 +274,7 @@ RestEquations::Correction Equilibrium::correct() {
         resistance_ = std::max(resistance_, equations_.least_resistance());
         RestEquations::Correction correction = equations_.correct(resistance_);
         resistance_ = std::max(resistance_, equations_.least_resistance());
+        bends_ = bends_ || correction.bend > 0;
         if (correction.size <= kNoCorrection * size.extent) return correction;
         const double excess =
             std::max({correction.turn / kMostTurn, correction.bend / most_bend_, correction.size / farthest_});

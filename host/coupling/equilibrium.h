@@ -79,7 +79,9 @@ private:
     RestState state_;
     double resistance_ = 0;
     double farthest_ = 0;   ///< that one correction may move something [m]
-    double most_bend_ = 0;  ///< that one correction may turn the ends of a joint, as share of what its law holds up to
+    double most_bend_ = 0;  ///< that one correction may move the ends of a joint, as share of what its law holds up to
+    bool bends_ = false;    ///< a correction moves them: there are joints whose laws hold up to something
+    bool falls_ = false;    ///< inside a network a motion grows from where the last correction began
     Steps steps_ = Steps::any;
     bool is_smooth_ = true;  ///< no correction since begin() may have jumped
 };

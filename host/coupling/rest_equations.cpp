@@ -106,6 +106,7 @@ RestEquations::Correction RestEquations::correct(double resistance) {
     all.size = inside.shift;
     all.turn = inside.turn;
     all.bend = inside.bend;
+    all.falling = inside.falling;
     if (!inside.element.empty()) all.mover = fmt::format("element \"{}\"", inside.element);
     const std::vector<double> loads = loads_on(now_.at, factor_);
     const auto add_work = [&](double work) {

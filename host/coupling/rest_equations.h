@@ -40,6 +40,7 @@ public:
         double bend = 0;            ///< of joints, as share of what their laws hold up to
         std::string mover;          ///< what it moves most
         double rounding = 0;        ///< of the work [J]
+        int falling = 0;            ///< motions inside networks that grow from where it begins, the bodies held
         double share = 1;           ///< to be taken of it
     };
     /// Finds the correction from where the machine is. resistance: s [1/s²], at least least_resistance().

@@ -15,6 +15,9 @@ namespace {
 /// Between neighbouring segments, of which a link knows the shortening to second order: a bar bent by 2 rad in links of
 /// 0.5 rad has its end 0.4 % of its length from where it belongs, of 0.25 rad 0.06 %.
 constexpr double kMostTurn = 0.5;  // [rad]
+/// Of the ends of a link against each other, of its length: the law along it is linear, and -1 leaves no length. A sheared
+/// link whose ends are farther apart than it is long may have no strain at all.
+constexpr double kMostShift = 0.5;
 
 constexpr dttmm_word kTheories[] = {{"euler-bernoulli", 0}, {"timoshenko", 1}};
 
@@ -77,6 +80,7 @@ Parts Beam::discretise(std::span<const Pose> ends) const {
             return b * (1 - 0.4 * b) / length;
         };
         law.line = {0.5, length / 12, sway(s.EIz, s.GAy), sway(s.EIy, s.GAz)};
+        law.most_shift = kMostShift * length;
         law.most_turn = kMostTurn;
         return law;
     };

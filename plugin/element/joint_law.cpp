@@ -32,6 +32,10 @@ LawOnPath JointLaw::along(int direction, LawPath path) const {
     return Linear(k).along(path);
 }
 
+double JointLaw::used(const Vector6& deformation) const {
+    return std::max(deformation.head<3>().norm() / most_shift, deformation.tail<3>().norm() / most_turn);
+}
+
 bool JointLaw::has_laws() const {
     return std::ranges::any_of(laws, [](const auto& law) { return law != nullptr; });
 }

@@ -55,20 +55,23 @@ struct Axial {
 /// place of d, and f acts by their gradient. A joint along a line has x
 /// only: its deformation is the length of the line, which may turn as it likes, less the natural one.
 struct JointLaw {
-    Vector6 stiffness = Vector6::Zero();                         ///< [N/m, N m/rad]
-    Vector6 damping = Vector6::Zero();                           ///< [N s/m, N m s/rad]
-    double loss_factor = 0;                                      ///< of the stiffness in vibration
-    Directions rigid;                                            ///< d = 0 there; stiffness and damping are not looked at
-    std::array<std::shared_ptr<const Law>, 6> laws;              ///< of directions that are not linear
-    LineStrains line;                                            ///< of the elastic line that it stands for
-    std::optional<Axial> axial;                                  ///< it acts along a line, which its x goes with
-    double most_turn = std::numeric_limits<double>::infinity();  ///< |θ| up to which it holds [rad]
+    Vector6 stiffness = Vector6::Zero();                          ///< [N/m, N m/rad]
+    Vector6 damping = Vector6::Zero();                            ///< [N s/m, N m s/rad]
+    double loss_factor = 0;                                       ///< of the stiffness in vibration
+    Directions rigid;                                             ///< d = 0 there; stiffness and damping are not looked at
+    std::array<std::shared_ptr<const Law>, 6> laws;               ///< of directions that are not linear
+    LineStrains line;                                             ///< of the elastic line that it stands for
+    std::optional<Axial> axial;                                   ///< it acts along a line, which its x goes with
+    double most_shift = std::numeric_limits<double>::infinity();  ///< |d| up to which it holds [m]
+    double most_turn = std::numeric_limits<double>::infinity();   ///< |θ| up to which it holds [rad]
 
     /// The laws of directions are equal where they are one object.
     bool operator==(const JointLaw&) const = default;
     /// Gives a direction the law in place of a linear spring.
     void set(int direction, std::shared_ptr<const Law> law);
     bool has_laws() const;
+    /// A deformation as share of what the law holds up to.
+    double used(const Vector6& deformation) const;
     /// Numbers that the laws before a direction remember; of all for direction 6.
     size_t memory_before(int direction) const;
     /// The law of a direction, linear or not, at an instant; memory: of all laws, NULL where none has one.

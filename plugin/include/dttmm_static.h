@@ -27,8 +27,8 @@ typedef struct dttmm_static_measure {
     double noise;    /* what of the residual may be rounding [N] */
     double shift;    /* the largest of a point inside by the whole correction [m] */
     double turn;     /* [rad] */
-    double bend;     /* the largest turn of the ends of a joint against each other, as share of that up to which its law
-                        holds: after correct what the whole correction changes, after move what it is */
+    double bend;     /* the largest turn or shift of the ends of a joint against each other, as share of that up to which its
+                        law holds: after correct what the whole correction changes, after move what it is */
     int32_t element; /* of the largest shift; -1: none */
     int32_t falling; /* after correct: negative eigenvalues of the stiffness inside, bodies held; 0: not known, or none */
 } dttmm_static_measure;

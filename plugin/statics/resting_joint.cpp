@@ -32,11 +32,28 @@ Vector6 unloading_tangent(const Joint& joint, const Vector6& x) {
     return tangent;
 }
 
+namespace {
+
+Vector6 small_motion(const PlacedJoint& placed, const Vector6& of_from, const Vector6& of_to) {
+    return placed.joint.by_from(placed.pose) * of_from + placed.joint.by_to(placed.pose) * of_to;
+}
+
+void take_turn(const PlacedJoint& placed, Vector6& change) {
+    if (placed.joint.turns()) change.tail<3>() = (rotation_vector_rate(placed.x.tail<3>()) * change.tail<3>()).eval();
+}
+
+}  // namespace
+
+Vector6 change_of_motion(const PlacedJoint& placed, const Vector6& of_from, const Vector6& of_to) {
+    Vector6 change = small_motion(placed, of_from, of_to);
+    take_turn(placed, change);
+    return change;
+}
+
 Vector6 change_of_deformation(const PlacedJoint& placed, const Vector6& of_from, const Vector6& of_to) {
-    const Joint& joint = placed.joint;
-    Vector6 change = joint.by_from(placed.pose) * of_from + joint.by_to(placed.pose) * of_to;
-    if (joint.is_line()) change.head<3>() = (joint.strain_columns(placed.x) * change).eval();
-    if (joint.turns()) change.tail<3>() = (rotation_vector_rate(placed.x.tail<3>()) * change.tail<3>()).eval();
+    Vector6 change = small_motion(placed, of_from, of_to);
+    if (placed.joint.is_line()) change.head<3>() = (placed.joint.strain_columns(placed.x) * change).eval();
+    take_turn(placed, change);
     return change;
 }
 

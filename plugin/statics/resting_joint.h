@@ -28,7 +28,9 @@ RestingForce resting_force(const Joint& joint, const Vector6& x);
 /// The derivatives where the laws have come to rest there: those of small vibrations, with which sliders stick.
 Vector6 unloading_tangent(const Joint& joint, const Vector6& x);
 
-/// How small motions of its frames (shifts and turns, world axes) change its strains and its rotation vector.
+/// How small motions of its frames (shifts and turns, world axes) change its deformation [d; θ].
+Vector6 change_of_motion(const PlacedJoint& placed, const Vector6& of_from, const Vector6& of_to);
+/// The same with its strains in place of d.
 Vector6 change_of_deformation(const PlacedJoint& placed, const Vector6& of_from, const Vector6& of_to);
 
 /// What forces along the strains do to the frames; `rigid` are those of rigid directions.

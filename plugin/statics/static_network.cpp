@@ -357,8 +357,8 @@ StaticNetwork::Measure StaticNetwork::correct(std::span<const Vector6> port_chan
     for (const auto& [placed, rest] : joints_) {
         const Joint& joint = placed.joint;
         if (!std::isfinite(joint.law().most_turn)) continue;
-        const Vector6 change = change_of_deformation(placed, motion_of(joint.from()), motion_of(joint.to()));
-        found.bend = std::max(found.bend, change.tail<3>().norm() / joint.law().most_turn);
+        const Vector6 change = change_of_motion(placed, motion_of(joint.from()), motion_of(joint.to()));
+        found.bend = std::max(found.bend, joint.law().used(change));
     }
     return found;
 }
@@ -382,8 +382,7 @@ StaticNetwork::Measure StaticNetwork::move(Ports ports, double share) {
     place_joints();
     find_residuals();
     Measure found = measure();
-    for (const auto& [placed, rest] : joints_)
-        found.bend = std::max(found.bend, placed.x.tail<3>().norm() / placed.joint.law().most_turn);
+    for (const auto& [placed, rest] : joints_) found.bend = std::max(found.bend, placed.joint.law().used(placed.x));
     return found;
 }
 

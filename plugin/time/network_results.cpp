@@ -31,9 +31,6 @@ double unresolved_turn(const Vector6& section, const JointLaw& law, double segme
     return most;
 }
 
-/// N/EA, either way: the law of a beam is linear, and -1 leaves no length.
-constexpr double kMostStrain = 0.5;
-
 }  // namespace
 
 // ---- Channels -----------------------------------------------------------------------------------------------------------
@@ -231,16 +228,13 @@ double* NetworkResults::write_chain(const Instant& instant, double* out, size_t 
     const double segment = chain.rest.norm() / (last - first - 1);
 
     for (int j = first; j < last; ++j) {
-        turn_to_limit = std::max(turn_to_limit, mechanism_.states[as_size(j)].theta_before.norm() /
-                                                    mechanism_.joints[as_size(j)].law().most_turn);
+        const JointLaw& law = mechanism_.joints[as_size(j)].law();
+        turn_to_limit = std::max(turn_to_limit, law.used(mechanism_.states[as_size(j)].deformation_before()));
         const Vector6 f = section_forces(instant, chain, {first, last}, j);
         Eigen::Map<Vector6>{out} = f;
         if (j == first) Eigen::Map<Vector6>{total} = f;
-        const JointLaw& law = mechanism_.joints[as_size(j)].law();
         const bool is_end = j == first || j == last - 1;
         if (is_end) turn_to_limit = std::max(turn_to_limit, unresolved_turn(f, law, segment));
-        turn_to_limit =
-            std::max(turn_to_limit, std::abs(f(0)) / (kMostStrain * law.stiffness(0) * (is_end ? 0.5 : 1) * segment));
         out += 6;
         if (chain.moduli.are_known()) *out++ = chain.moduli.extreme_stress(f(0), f(4), f(5));
     }

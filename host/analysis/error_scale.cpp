@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -67,7 +68,11 @@ std::vector<double> error_scales(const Model& model, const FastestMode& fastest,
 
     double m = model.bodies.empty() ? 1 : 0;  // what nodes weigh is the plugin's
     for (const Body& body : model.bodies) m = std::max(m, body.mass);
-    const double rho = std::max(1e-9 * largest["m"], 1e-12 * coordinate), omega_2 = fastest.omega * fastest.omega;
+    constexpr double kRest = 1e-11;  // measured: 3e-14 of rounding
+    const std::optional<double>& tolerance = model.simulation.tolerance;
+    const double rho = tolerance && largest["m"] <= kRest * coordinate ? kRest * coordinate / *tolerance
+                                                                       : std::max(1e-9 * largest["m"], 1e-12 * coordinate),
+                 omega_2 = fastest.omega * fastest.omega;
     const std::pair<const char*, double> floors[] = {{"m", rho},
                                                      {"m/s", rho / h},
                                                      {"m/s^2", rho / (h * h)},

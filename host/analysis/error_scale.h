@@ -24,6 +24,9 @@ namespace dttmm::host {
 /// Below these even the largest is taken for rounding, with ρ = max(1e-9 of the widest range, 1e-12 of the largest
 /// coordinate), the step h, the largest mass m and the fastest vibration ω: ρ, ρ/h, ρ/h², m ω² ρ, m (ω² + 1/h²) ρ².
 ///
+/// A machine that moves by less than 1e-11 of the largest coordinate rests. What moves it is rounding, however short the
+/// step. In a run to a tolerance ρ is then that length over the tolerance, and only forces that change by themselves count.
+///
 /// `seen`: every channel over a run at the step h. Returns one scale per channel, in its unit; the time's is without
 /// meaning.
 std::vector<double> error_scales(const Model& model, const FastestMode& fastest, const Recorder& seen, double h);

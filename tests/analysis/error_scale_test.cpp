@@ -76,6 +76,24 @@ TEST(ErrorScale, AMachineAtRestIsMeasuredByWhatRoundingMayDo) {
     EXPECT_NEAR(scale.at("energy.kinetic"), 2 * (1e4 + 2.5e5) * 49e-24, 1e-30);
 }
 
+// Oracle: by hand: a range of 6e-11 m at 7 m is rounding, and ρ = 7e-11 m/1 %; one of 8e-11 m is a motion.
+TEST(ErrorScale, RoundingAtRestIsNoErrorAtAnyTolerance) {
+    const auto with_range = [](double range) {
+        Model model = plate();
+        model.simulation.tolerance = 0.01;
+        Recorder seen(kChannels);
+        seen.close_row(std::vector<double>{0, 0, 0, 0, 0, 7, 0, 0, 0, 0, 0, 0, 0});
+        seen.close_row(std::vector<double>{1, 3, 0, 0, 0, 7 - range, 0, 0, 0, 0, 0, 0, 0});
+        FastestMode fastest;
+        fastest.omega = 100;
+        const std::vector<double> all = error_scales(model, fastest, seen, 2e-3);
+        return std::pair(all[5], all[1]);
+    };
+    EXPECT_NEAR(with_range(6e-11).first, 7e-9, 1e-13);
+    EXPECT_NEAR(with_range(6e-11).second, 3, 0) << "a force that changes by itself";
+    EXPECT_NEAR(with_range(8e-11).first, 8e-11, 1e-14);
+}
+
 // Oracle: by hand: a range of 20 m makes ρ = 2e-8 m.
 TEST(ErrorScale, AWideMotionRaisesTheFloors) {
     const auto scale = scales({{0, 0, 0, 0, 0, -10, 0, 0, 0, 0, 0, 0, 0}, {1, 0, 0, 0, 0, 10, 0, 0, 0, 0, 0, 0, 0}}, 1e-2);

@@ -18,6 +18,7 @@
 #include "loader/plugin_library.h"
 #include "model/error.h"
 #include "model/units.h"
+#include "model/wording.h"
 
 namespace dttmm::host {
 
@@ -62,7 +63,7 @@ private:
     void draw_values(double reach) {
         values_.clear();
         for (const dttmm_law_parameter& parameter : std::span(law_.parameters, law_.parameter_count)) {
-            const bool is_length = std::string_view(parameter.unit) == "m";
+            const bool is_length = measures(parameter.unit, "m") && std::string_view(parameter.unit) != "1";
             const double size =
                 is_length ? reach * std::pow(10, uniform(-1.5, 0.5)) : std::pow(10, uniform(kLeastValue, kMostValue));
             double value = parameter.minimum < 0 && uniform(0, 1) < 0.5 ? -size : size;
@@ -123,7 +124,7 @@ private:
         Answer before = ask(0, 0, memory).answer;
         if (before.force != 0 || before.stored != 0)
             fault("undeformed it has a force or energy", fmt::format("{:.6g}, {:.6g}", before.force, before.stored));
-        double from = 0, force = 0, energy = 0;  // largest
+        double from = 0, earlier = 0, force = 0, energy = 0;  // forces and energies: largest
         for (int path = 0; path < kPaths; ++path) {
             const double to = uniform(-reach, reach);
             time_ = std::pow(10, uniform(-6, 0));
@@ -133,16 +134,21 @@ private:
             force = std::max({force, std::abs(asked.answer.force), std::abs(asked.answer.mean)});
             energy = std::max({energy, std::abs(asked.answer.stored), std::abs(asked.answer.mean * (to - from))});
             paths_with_force_ += asked.answer.force != 0;
-            look_at_rest(from, before, memory, kDifference * reach, force, energy);
+            look_at_rest(from, from - earlier, before, memory, kDifference * reach, force, energy);
             look_at_path(from, to, before, memory, asked, reach, force, energy);
             before = asked.answer;
             memory = asked.after;
-            from = to;
+            earlier = std::exchange(from, to);
         }
+        time_ = 0;  // slow, as where a machine starts
+        const double to = uniform(-reach, reach);
+        if (!is_finite(ask(0, to, Memory(law_.memory_count, 0))))
+            fault("its answer is not finite", fmt::format("path {:.6g} to {:.6g} that takes no time", 0., to));
     }
 
-    /// A path of no length changes nothing.
-    void look_at_rest(double at, const Answer& before, const Memory& memory, double e, double force, double energy) {
+    /// A path of no length changes nothing. way: of the path before.
+    void look_at_rest(double at, double way, const Answer& before, const Memory& memory, double e, double force,
+                      double energy) {
         const Asked rest = ask(at, at, memory);
         if (!is_finite(rest)) return fault("its answer is not finite", fmt::format("path of no length at {:.6g}", at));
         if (std::abs(rest.answer.force - before.force) > kRounding * force)
@@ -155,6 +161,11 @@ private:
             fault("on a path of no length its tangent is not that of unloading",
                   fmt::format("{:.6g}; differences {:.6g} and {:.6g}", rest.answer.tangent,
                               (rest.answer.force - less.force) / e, (more.force - rest.answer.force) / e));
+        // Where the two differ for what it remembers, as in a slider that gives way
+        const double back = way > 0 ? rest.answer.force - less.force : more.force - rest.answer.force;
+        if (law_.memory_count > 0 && way != 0 && !is_derivative(rest.answer.tangent, 0, -back, back, e, force))
+            fault("on a path of no length its tangent is not that of going back",
+                  fmt::format("{:.6g}; the difference back is {:.6g}", rest.answer.tangent, back / e));
         if (std::abs(rest.answer.mean - rest.answer.force) > kRounding * force ||
             std::abs(rest.answer.dissipated) > kRounding * energy)
             fault("on a path of no length its mean force is not its force, or it dissipates",
@@ -217,6 +228,24 @@ void refuse_values_out_of_range(const std::vector<const dttmm_law*>& laws, const
                                                              parameter.minimum, parameter.unit));
 }
 
+void refuse_texts(const std::vector<const dttmm_law*>& laws, const std::string& library) {
+    const auto fail = [&](const dttmm_law& law, const std::string& fault) {
+        throw Error(ExitCode::plugin_failure, fmt::format("{}: law \"{}\": {}", library, law.name, fault));
+    };
+    for (const dttmm_law* law : laws) {
+        if (law->documentation && !is_printable(law->documentation)) fail(*law, "its documentation is not one line of text");
+        for (const dttmm_law_parameter& parameter : std::span(law->parameters, law->parameter_count)) {
+            if (parameter.documentation && !is_printable(parameter.documentation))
+                fail(*law, fmt::format("the documentation of {} is not one line of text", parameter.name));
+            for (const char* unit : {parameter.unit, parameter.rotation_unit}) try {
+                    if (std::string_view(unit) != "1") parse_quantity(fmt::format("1 {}", unit));
+                } catch (const Error& error) {
+                    fail(*law, fmt::format("{} has a unit that cannot be read: {}", parameter.name, error.what()));
+                }
+        }
+    }
+}
+
 }  // namespace
 
 void check_law(const Request& request) {
@@ -226,6 +255,7 @@ void check_law(const Request& request) {
         throw Error(ExitCode::plugin_failure,
                     fmt::format("{}: it exports no {}: there is no law in it", library.name(), DTTMM_LAW_ENTRY));
     for (const dttmm_law* law : laws) PluginLibrary::built_in().add_law(*law);  // looks at how it is declared
+    refuse_texts(laws, library.name());
     for (const auto& [name, text] : request.overrides.parameters)
         if (std::ranges::none_of(laws, [&, own = name](const dttmm_law* law) {
                 return std::ranges::any_of(std::span(law->parameters, law->parameter_count),

@@ -21,7 +21,8 @@ std::optional<FreeMotions> find_free(const Model& model, ModalMachine& machine) 
     const std::optional<uint32_t> count = machine.count_free();
     if (!count) return std::nullopt;
     FreeMotions free{*count, {}, *count == 0 || model.elements.empty()};
-    if (free.is_certain || free.count > FreeMotions::kMostNamed) return free;
+    const bool is_loose = model.elements.empty() && model.joints.empty();  // all of it
+    if (free.count == 0 || is_loose || free.count > FreeMotions::kMostNamed) return free;
     const std::vector<ModalInstance::Mode> modes = machine.find_modes(machine.count_growing() + free.count, 0);
     for (uint32_t m = 0; m < modes.size(); ++m) {
         if (modes[m].numbers.frequency != 0) continue;

@@ -6,15 +6,25 @@
 
 namespace dttmm::host {
 
+namespace {
+
+/// The ends of the band, and where densities bend within it.
+std::vector<double> find_corners(const Excitation& excitation, double from, double to) {
+    std::vector<double> corners = {from, to};
+    for (const double corner : excitation.random_corners())
+        if (corner > from && corner < to) corners.push_back(corner);
+    std::ranges::sort(corners);
+    return corners;
+}
+
+}  // namespace
+
 RandomResponse find_random_response(const Excitation& excitation, double from, double to, const std::vector<double>& natural,
                                     const RandomAmplitudes& amplitudes, const std::vector<AdaptivePoints::Kind>& kinds,
                                     size_t most_points, const std::function<bool()>& is_asked_to_stop) {
     const size_t block = kinds.size(), loads = excitation.random_count();
     const auto channels = static_cast<size_t>(std::ranges::count_if(kinds, &AdaptivePoints::Kind::is_curve));
-    std::vector<double> corners = {from, to};
-    for (const double corner : excitation.random_corners())
-        if (corner > from && corner < to) corners.push_back(corner);
-    std::ranges::sort(corners);
+    const std::vector<double> corners = find_corners(excitation, from, to);
     std::vector<AdaptivePoints::Kind> all_kinds;
     for (size_t r = 0; r < loads; ++r) all_kinds.insert(all_kinds.end(), kinds.begin(), kinds.end());
 

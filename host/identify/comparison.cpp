@@ -51,77 +51,110 @@ struct Interpolation {
     }
 };
 
+/// Writes a shape, scaled to be nearest to the measured one, where that has a value. Returns the row behind it.
+Eigen::Index write_scaled(const Eigen::VectorXd& own, const Eigen::VectorXd& measured, Eigen::Index row,
+                          Eigen::VectorXd& out) {
+    double product = 0, square = 0;
+    for (Eigen::Index k = 0; k < own.size(); ++k) {
+        if (std::isnan(measured(k))) continue;
+        product += own(k) * measured(k);
+        square += own(k) * own(k);
+    }
+    for (Eigen::Index k = 0; k < own.size(); ++k)
+        if (!std::isnan(measured(k))) out(row++) = square > 0 ? product / square * own(k) : 0;
+    return row;
+}
+
+/// Data by group, with the weights of those that have some of their own.
+class Gathered {
+public:
+    static DataGroup open(DataGroup::Kind kind, const std::string& name) { return {kind, name}; }
+    void add(double value) { values_.push_back(value); }
+    void add(double value, double weight) {
+        weights_.resize(values_.size(), 1);
+        values_.push_back(value);
+        weights_.push_back(weight);
+    }
+    /// Ends the group of what was added since the last one; none if that is nothing.
+    void close(DataGroup group, std::vector<DataGroup>& groups) {
+        group.first = as_row(begin_);
+        group.count = as_row(values_.size() - begin_);
+        begin_ = values_.size();
+        for (Eigen::Index i = group.first; i < group.first + group.count; ++i)
+            group.largest = std::max(group.largest, std::abs(values_[as_size(i)]));
+        if (group.noise == 0) group.noise = kStartNoise * group.largest;
+        if (group.count > 0) groups.push_back(group);
+    }
+    Eigen::VectorXd values() const { return Eigen::Map<const Eigen::VectorXd>(values_.data(), as_row(values_.size())); }
+    Eigen::VectorXd weights() {
+        weights_.resize(values_.size(), 1);
+        return Eigen::Map<const Eigen::VectorXd>(weights_.data(), as_row(weights_.size()));
+    }
+
+private:
+    std::vector<double> values_, weights_;
+    size_t begin_ = 0;  ///< of the open group
+};
+
+DataGroup gather_response(const ObservedResponse& one, Gathered& data) {
+    DataGroup group = Gathered::open(DataGroup::Kind::response, one.channel + "/" + one.input);
+    for (size_t i = 0; i < one.values.size(); ++i) {
+        const double weight = one.deviations.empty() ? 1 : one.deviations[i];
+        data.add(one.values[i].real(), weight);
+        data.add(one.is_real ? 0 : one.values[i].imag(), weight);
+    }
+    group.noise = one.deviations.empty() ? one.noise : 1;
+    group.noise_samples = one.noise_samples;
+    if (group.noise > 0) group.noise_from = one.deviations.empty() ? DataGroup::NoiseFrom::user : DataGroup::NoiseFrom::data;
+    return group;
+}
+
+DataGroup gather_frequencies(const Observations& observations, Gathered& data) {
+    DataGroup group = Gathered::open(DataGroup::Kind::frequency, "frequencies");
+    for (const ObservedMode& mode : observations.modes)
+        data.add(std::log(mode.frequency), mode.deviation > 0 ? mode.deviation : kFrequencyNoise);
+    group.noise = 1;
+    group.noise_samples = observations.frequency_samples;
+    group.noise_from = observations.frequency_samples > 0   ? DataGroup::NoiseFrom::data
+                       : observations.are_frequencies_known ? DataGroup::NoiseFrom::user
+                                                            : DataGroup::NoiseFrom::assumed;
+    return group;
+}
+
 }  // namespace
 
 Comparison::Comparison(const Request& request, const Observations& observations, const Plugins& plugins)
     : request_(request), observations_(observations), plugins_(plugins) {
-    std::vector<double> values, weights;
-    const auto open = [&](DataGroup::Kind kind, const std::string& name) {
-        DataGroup group{kind, name};
-        group.first = as_row(values.size());
-        return group;
-    };
-    const auto close = [&](DataGroup group) {
-        group.count = as_row(values.size()) - group.first;
-        weights.resize(values.size(), 1);
-        for (Eigen::Index i = group.first; i < group.first + group.count; ++i)
-            group.largest = std::max(group.largest, std::abs(values[as_size(i)]));
-        if (group.noise == 0) group.noise = kStartNoise * group.largest;
-        if (group.count > 0) groups_.push_back(group);
-    };
+    Gathered data;
     for (const ObservedHistory& one : observations.histories) {
-        DataGroup group = open(DataGroup::Kind::history, one.channel);
-        values.insert(values.end(), one.values.begin(), one.values.end());
+        DataGroup group = Gathered::open(DataGroup::Kind::history, one.channel);
+        for (const double value : one.values) data.add(value);
         group.noise = one.noise;
         if (one.noise > 0) group.noise_from = one.is_noise_of_user ? DataGroup::NoiseFrom::user : DataGroup::NoiseFrom::data;
         group.noise_samples = one.noise_samples;
         duration_ = std::max(duration_, one.times.back());
         if (one.hum > 0) scales_ += 2;
-        close(group);
+        data.close(group, groups_);
     }
-    for (const ObservedResponse& one : observations.responses) {
-        DataGroup group = open(DataGroup::Kind::response, one.channel + "/" + one.input);
-        for (size_t i = 0; i < one.values.size(); ++i) {
-            values.push_back(one.values[i].real());
-            values.push_back(one.is_real ? 0 : one.values[i].imag());
-            const double weight = one.deviations.empty() ? 1 : one.deviations[i];
-            weights.insert(weights.end(), {weight, weight});
-        }
-        group.noise = one.deviations.empty() ? one.noise : 1;
-        group.noise_samples = one.noise_samples;
-        if (group.noise > 0)
-            group.noise_from = one.deviations.empty() ? DataGroup::NoiseFrom::user : DataGroup::NoiseFrom::data;
-        close(group);
-    }
+    for (const ObservedResponse& one : observations.responses) data.close(gather_response(one, data), groups_);
     if (!observations.modes.empty()) {
-        DataGroup frequencies = open(DataGroup::Kind::frequency, "frequencies");
-        for (const ObservedMode& mode : observations.modes) {
-            values.push_back(std::log(mode.frequency));
-            weights.push_back(mode.deviation > 0 ? mode.deviation : kFrequencyNoise);
-        }
-        frequencies.noise = 1;
-        frequencies.noise_samples = observations.frequency_samples;
-        frequencies.noise_from = observations.frequency_samples > 0   ? DataGroup::NoiseFrom::data
-                                 : observations.are_frequencies_known ? DataGroup::NoiseFrom::user
-                                                                      : DataGroup::NoiseFrom::assumed;
-        close(frequencies);
-        DataGroup shapes = open(DataGroup::Kind::shape, "shapes");
+        data.close(gather_frequencies(observations, data), groups_);
+        DataGroup shapes = Gathered::open(DataGroup::Kind::shape, "shapes");
         for (const ObservedMode& mode : observations.modes) {
             bool has_shape = false;
             for (Eigen::Index i = 0; i < mode.shape.size(); ++i) {
                 if (std::isnan(mode.shape(i))) continue;
-                values.push_back(mode.shape(i));
+                data.add(mode.shape(i));
                 has_shape = true;
             }
             if (has_shape) ++scales_;
         }
         shapes.noise = kShapeNoise;
         shapes.noise_from = DataGroup::NoiseFrom::assumed;
-        close(shapes);
+        data.close(shapes, groups_);
     }
-    data_ = Eigen::Map<const Eigen::VectorXd>(values.data(), as_row(values.size()));
-    weights.resize(values.size(), 1);
-    weights_ = Eigen::Map<const Eigen::VectorXd>(weights.data(), as_row(weights.size()));
+    data_ = data.values();
+    weights_ = data.weights();
     if (has_histories()) choose_step();
 }
 
@@ -327,16 +360,7 @@ std::vector<ModePair> Comparison::predict_modes(const Model& asked, const Measur
                     "out of the file what is no mode of the model",
                     modes.size(), mode.frequency));
         out(row) = std::log(pairs[i].frequency / factors.clock);
-        if (mode.shape.size() == 0) continue;
-        const Eigen::VectorXd& own = pairs[i].shape;
-        double product = 0, square = 0;
-        for (Eigen::Index k = 0; k < count; ++k) {
-            if (std::isnan(mode.shape(k))) continue;
-            product += own(k) * mode.shape(k);
-            square += own(k) * own(k);
-        }
-        for (Eigen::Index k = 0; k < count; ++k)
-            if (!std::isnan(mode.shape(k))) out(shape_row++) = square > 0 ? product / square * own(k) : 0;
+        if (mode.shape.size() > 0) shape_row = write_scaled(pairs[i].shape, mode.shape, shape_row, out);
     }
     return pairs;
 }

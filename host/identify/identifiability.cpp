@@ -19,6 +19,24 @@ constexpr double kFlat = 1e-3;      // the same, of a direction that the noise h
 constexpr double kHidden = 0.1;     // standard deviation in such a direction, 10 % of a value
 constexpr double kShown = 0.1;      // share of a combination's largest part
 
+/// Unknowns that act alike. own: the columns of the Jacobian of those that are live.
+std::vector<std::vector<size_t>> find_tied(const Eigen::MatrixXd& own, const std::vector<Eigen::Index>& live) {
+    std::vector<std::vector<size_t>> tied;
+    std::vector<bool> is_in_class(live.size(), false);
+    for (size_t i = 0; i < live.size(); ++i) {
+        if (is_in_class[i]) continue;
+        std::vector<size_t> alike = {as_size(live[i])};
+        for (size_t j = i + 1; j < live.size(); ++j) {
+            const double cosine = own.col(as_row(i)).normalized().dot(own.col(as_row(j)).normalized());
+            if (is_in_class[j] || std::abs(cosine) < kTied) continue;
+            alike.push_back(as_size(live[j]));
+            is_in_class[j] = true;
+        }
+        if (alike.size() > 1) tied.push_back(alike);
+    }
+    return tied;
+}
+
 }  // namespace
 
 Identifiability judge_identifiability(const Eigen::MatrixXd& jacobian, const Unknowns& unknowns,
@@ -42,18 +60,7 @@ Identifiability judge_identifiability(const Eigen::MatrixXd& jacobian, const Unk
     Eigen::MatrixXd own(jacobian.rows(), as_row(live.size()));
     for (size_t i = 0; i < live.size(); ++i) own.col(as_row(i)) = jacobian.col(live[i]);
 
-    std::vector<bool> is_in_class(live.size(), false);
-    for (size_t i = 0; i < live.size(); ++i) {
-        if (is_in_class[i]) continue;
-        std::vector<size_t> alike = {as_size(live[i])};
-        for (size_t j = i + 1; j < live.size(); ++j) {
-            const double cosine = own.col(as_row(i)).normalized().dot(own.col(as_row(j)).normalized());
-            if (is_in_class[j] || std::abs(cosine) < kTied) continue;
-            alike.push_back(as_size(live[j]));
-            is_in_class[j] = true;
-        }
-        if (alike.size() > 1) found.tied.push_back(alike);
-    }
+    found.tied = find_tied(own, live);
 
     // With at least as many rows as columns the thin V is whole
     Eigen::MatrixXd tall = Eigen::MatrixXd::Zero(std::max(own.rows(), own.cols()), own.cols());

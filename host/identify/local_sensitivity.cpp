@@ -363,6 +363,14 @@ void write_tables(const ResultsFolder& folder, const Request& request, const Fig
                                                      {"command_line", request.command_line}});
 }
 
+void print_scatter(const FigureFunction& function, const Scatter& scatter, size_t width) {
+    fmt::print("\n{:<{}} {:>14} {:>14} {:>14}\n", "scatter", width, "deviation", "by cases", "not linear");
+    for (Eigen::Index f = 0; f < scatter.linear.size(); ++f)
+        fmt::print("{:<{}} {:>14.6g} {:>14.6g} {:>13.2g}%\n", function.figures()[as_size(f)].name, width, scatter.linear(f),
+                   scatter.sampled(f), scatter.sampled(f) > 0 ? 100 * (scatter.sampled(f) / scatter.linear(f) - 1) : 0.0);
+    fmt::print("deviation: by the slopes above; by cases: of {} cases, {} of which failed\n", scatter.cases, scatter.failed);
+}
+
 void print(const FigureFunction& function, const LocalSensitivity& local, const std::optional<Scatter>& scatter,
            const Method& method) {
     size_t width = 8;
@@ -415,14 +423,7 @@ void print(const FigureFunction& function, const LocalSensitivity& local, const 
                    : function.command() == "modes" ? "frequencies"
                                                    : "responses",
                    method.reason);
-    if (!scatter) return;
-    fmt::print("\n{:<{}} {:>14} {:>14} {:>14}\n", "scatter", width, "deviation", "by cases", "not linear");
-    for (Eigen::Index f = 0; f < local.figures.size(); ++f)
-        fmt::print("{:<{}} {:>14.6g} {:>14.6g} {:>13.2g}%\n", function.figures()[as_size(f)].name, width, scatter->linear(f),
-                   scatter->sampled(f),
-                   scatter->sampled(f) > 0 ? 100 * (scatter->sampled(f) / scatter->linear(f) - 1) : 0.0);
-    fmt::print("deviation: by the slopes above; by cases: of {} cases, {} of which failed\n", scatter->cases,
-               scatter->failed);
+    if (scatter) print_scatter(function, *scatter, width);
 }
 
 }  // namespace

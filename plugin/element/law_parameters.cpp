@@ -29,14 +29,19 @@ const LawParameters& LawParameters::of_direction(int direction) {
 
 const LawParameters& LawParameters::along_a_line() { return of_direction(6); }
 
-LawParameters::LawParameters(const std::string& key, bool is_rotation) : key_(key) {
-    std::vector<const LawParameter*> numbers;
+LawParameters::LawParameters(const std::string& key, bool is_rotation) : key_(key), is_rotation_(is_rotation) {
+    std::vector<LawParameter> numbers;
     for (const LawType& type : law_types()) {
         words_.push_back({type.name, static_cast<double>(words_.size())});
         for (const LawParameter& parameter : type.parameters) {
-            if (std::ranges::find(names_, parameter.name) != names_.end()) continue;
+            const auto known = std::ranges::find(names_, parameter.name);
+            if (known != names_.end()) {  // each law has a minimum of its own
+                double& least = numbers[as_size(known - names_.begin())].minimum;
+                least = std::min(least, parameter.minimum);
+                continue;
+            }
             names_.push_back(parameter.name);
-            numbers.push_back(&parameter);
+            numbers.push_back(parameter);
         }
     }
     texts_.push_back(full("law"));
@@ -46,8 +51,8 @@ LawParameters::LawParameters(const std::string& key, bool is_rotation) : key_(ke
          static_cast<uint32_t>(words_.size()),
          key.empty() ? "law of the spring" : "law of the spring in that direction, in place of a stiffness"});
     for (size_t i = 0; i < names_.size(); ++i)
-        declared_.push_back(optional(texts_[1 + i].c_str(), numbers[i]->unit[is_rotation], 1, numbers[i]->minimum, kLargest,
-                                     numbers[i]->documentation));
+        declared_.push_back(optional(texts_[1 + i].c_str(), numbers[i].unit[is_rotation], 1, numbers[i].minimum, kLargest,
+                                     numbers[i].documentation));
 }
 
 std::unique_ptr<const Law> LawParameters::make(std::span<const double> values) const {
@@ -65,6 +70,10 @@ std::unique_ptr<const Law> LawParameters::make(std::span<const double> values) c
         if (!given(i))
             throw Error(DTTMM_ERROR_MODEL,
                         fmt::format("{} is missing: the law {} needs it", full(parameter.name), type.name));
+        if (values[1 + i] < parameter.minimum)
+            throw Error(DTTMM_ERROR_MODEL,
+                        fmt::format("{} must be at least {:g} {}, as the law {} has it", full(parameter.name),
+                                    parameter.minimum, parameter.unit[is_rotation_], type.name));
         own.push_back(values[1 + i]);
     }
     for (size_t i = 0; i < names_.size(); ++i) {

@@ -38,6 +38,7 @@ private:
     std::string full(const std::string& name) const { return key_.empty() ? name : key_ + "." + name; }
 
     std::string key_;
+    bool is_rotation_;
     std::vector<std::string> names_;  ///< of the numbers, without the key
     std::vector<std::string> texts_;  ///< that declared_ points into
     std::vector<dttmm_word> words_;

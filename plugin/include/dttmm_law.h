@@ -24,24 +24,26 @@ extern "C" {
 
 /* A number that the model gives. */
 typedef struct dttmm_law_parameter {
-    const char* name;          /* its key: letters, digits, underscore */
-    const char* unit;          /* in a translation, as UDUNITS-2 reads it: "N/m" */
-    const char* rotation_unit; /* in a rotation: "N*m/rad" */
-    double minimum;            /* SI, included */
+    const char* name;          /* its key: letters, digits, underscore, no digit first; no key of elements, as "damping" */
+    const char* unit;          /* SI, in a translation, as UDUNITS-2 reads it: "N/m"; the same in all laws with this key */
+    const char* rotation_unit; /* SI, in a rotation: "N*m/rad"; likewise */
+    double minimum;            /* SI, included; -1e300 where every number will do */
     const char* documentation; /* one line */
 } dttmm_law_parameter;
 
 /* A straight path of the deformation. */
 typedef struct dttmm_law_path {
     double from, to;
-    double time;          /* that the path takes [s]; 0 for a look at an instant, where from = to */
+    double time;          /* that the path takes [s]. 0 where from = to: a look at an instant, which changes nothing. 0 where
+                             they differ: a path so slow that all has relaxed at its end, as from the undeformed state to
+                             where a machine starts */
     const double* memory; /* what is left of the paths before; all zero at first */
-    double* after;        /* takes the memory at the end of the path */
+    double* after;        /* takes the memory at the end of the path, all of it */
 } dttmm_law_path;
 
 typedef struct dttmm_law_answer {
     double force;        /* at the end of the path */
-    double tangent;      /* d(force)/d(to), never infinite; of a path of no length that of unloading */
+    double tangent;      /* d(force)/d(to), never infinite; of a path of no length and no time that of going back */
     double mean;         /* of the force along the path: (stored at its end - at its start + dissipated)/(to - from) */
     double mean_tangent; /* d(mean)/d(to) */
     double stored;       /* energy at the end of the path */
@@ -59,8 +61,10 @@ typedef struct dttmm_law {
         memory_count; /* numbers that it remembers, at most 256; 0: it is elastic, and its force depends on `to` alone */
 
     /* What the law does on a path. Pure: the same answer to the same question, nothing kept but in path->after. A path of no
-     * length changes neither force nor memory. values: of the parameters, SI, in the order declared. Called in every
-     * iteration of every step: it must not allocate, and any number of threads may call it at once. */
+     * length and no time changes neither force nor memory. The host tries deformations that may be far off: up to 1e100 N
+     * are taken there, so that an exponential law wants a straight end; where a step ends, 1e15 N. values: of the
+     * parameters, SI, in the order declared. Called in every iteration of every step: it must not allocate, and any number
+     * of threads may call it at once. */
     void (*along)(const double* values, const dttmm_law_path* path, dttmm_law_answer* answer);
 } dttmm_law;
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <exception>
+#include <limits>
 
 #include "core/error.h"
 
@@ -14,13 +15,38 @@ namespace dttmm::plugin {
 
 namespace {
 
-constexpr double kMostForce = 1e15;  // [N, N m]: the cap that the host has for wrenches on bodies
+/// A trial may be far off; squares of this are numbers. Where a step ends the host takes 1e15 N at most.
+constexpr double kMostForce = 1e100;  // [N, N m]
+
+/// Where a law writes its memory. Numbers behind it must stay; those of it must be written, for they begin as NaN.
+class Scratch {
+public:
+    explicit Scratch(size_t count) : count_(count) {
+        std::fill_n(numbers_.begin(), count, std::numeric_limits<double>::quiet_NaN());
+        std::fill_n(numbers_.begin() + count, kGuard, kUntouched);
+    }
+    double* data() { return numbers_.data(); }
+    bool is_overrun() const {
+        return std::any_of(numbers_.begin() + count_, numbers_.begin() + count_ + kGuard,
+                           [](double x) { return x != kUntouched; });
+    }
+    bool is_finite() const {
+        return std::all_of(numbers_.begin(), numbers_.begin() + count_, [](double x) { return std::isfinite(x); });
+    }
+    void copy_to(double* to) const { std::copy_n(numbers_.begin(), count_, to); }
+
+private:
+    static constexpr size_t kGuard = 32;
+    static constexpr double kUntouched = -7.25;
+    size_t count_;
+    std::array<double, Law::kMostMemory + kGuard> numbers_;
+};
 
 }  // namespace
 
 LawOnPath ForeignLaw::along(const LawPath& path) const {
-    std::array<double, kMostMemory> unwanted;
-    dttmm_law_path asked{path.from, path.to, path.time, path.memory, path.after ? path.after : unwanted.data()};
+    Scratch after(law_.memory_count);
+    const dttmm_law_path asked{path.from, path.to, path.time, path.memory, after.data()};
     dttmm_law_answer answer{};
     *at_work_ = &law_;
     try {
@@ -33,9 +59,13 @@ LawOnPath ForeignLaw::along(const LawPath& path) const {
         throw Error(DTTMM_ERROR_INTERNAL, fmt::format("law \"{}\": it threw a C++ exception", law_.name));
     }
     *at_work_ = nullptr;
-    const double* const after = asked.after;
+    if (after.is_overrun())
+        throw Error(DTTMM_ERROR_INTERNAL,
+                    fmt::format("law \"{}\": it writes more than the {} numbers of its memory (deformation from {:.6g} to "
+                                "{:.6g})",
+                                law_.name, law_.memory_count, path.from, path.to));
     const double sum = answer.force + answer.tangent + answer.mean + answer.mean_tangent + answer.stored + answer.dissipated;
-    if (!std::isfinite(sum) || !std::all_of(after, after + law_.memory_count, [](double x) { return std::isfinite(x); }))
+    if (!std::isfinite(sum) || !after.is_finite())
         throw Error(DTTMM_ERROR_INTERNAL,
                     fmt::format("law \"{}\": its answer is not finite (deformation from {:.6g} to {:.6g})", law_.name,
                                 path.from, path.to));
@@ -44,6 +74,7 @@ LawOnPath ForeignLaw::along(const LawPath& path) const {
             DTTMM_ERROR_INTERNAL,
             fmt::format("law \"{}\": its force is {:.3g} (deformation from {:.6g} to {:.6g}), beyond the cap of {:.0e}",
                         law_.name, answer.force, path.from, path.to, kMostForce));
+    if (path.after) after.copy_to(path.after);
     return {answer.force, answer.tangent, answer.mean, answer.mean_tangent, answer.stored, answer.dissipated};
 }
 

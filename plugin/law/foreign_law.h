@@ -14,8 +14,8 @@ public:
     /// values: of its parameters. at_work: takes the law while it is asked, so that a crash can be laid at its door.
     ForeignLaw(const dttmm_law& law, const dttmm_law* volatile* at_work, const double* values)
         : law_(law), at_work_(at_work), values_(values, values + law.parameter_count) {}
-    /// Throws Error(DTTMM_ERROR_INTERNAL) naming the law where its answer is not finite, its force is beyond 1e15 N or N m,
-    /// or it throws.
+    /// Throws Error(DTTMM_ERROR_INTERNAL) naming the law where its answer is not finite, its force is beyond 1e100 N or N m,
+    /// it writes beyond its memory, or it throws.
     LawOnPath along(const LawPath& path) const override;
     size_t memory_size() const override { return law_.memory_count; }
 

@@ -26,13 +26,14 @@ std::vector<LawType>& all() {
 bool is_key(const char* name) {
     if (!name || !*name) return false;
     const std::string_view text(name);
-    return text != "law" && std::ranges::all_of(text, [](unsigned char c) {
+    return text != "law" && (text[0] < '0' || text[0] > '9') && std::ranges::all_of(text, [](unsigned char c) {
                return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
            });
 }
 
-/// Keys of an axial_spring, beside which the parameters of its law stand.
-constexpr std::string_view kTaken[] = {"name", "type", "from", "to", "axes", "damping", "natural_length", "preload"};
+/// Keys of an axial_spring, beside which the parameters of its law stand, and of every element.
+constexpr std::string_view kTaken[] = {"name",    "type",        "from",           "to",     "axes", "at", "motion",
+                                       "damping", "loss_factor", "natural_length", "preload"};
 
 [[noreturn]] void refuse(const dttmm_law& law, const char* fault) {
     throw Error(DTTMM_ERROR_ARGUMENT, fmt::format("law \"{}\": {}", is_key(law.name) ? law.name : "?", fault));
@@ -44,14 +45,15 @@ bool is_known_otherwise(const dttmm_law_parameter& parameter) {
         for (const LawParameter& other : type.parameters)
             if (std::string_view(other.name) == parameter.name &&
                 (std::string_view(other.unit[0]) != parameter.unit ||
-                 std::string_view(other.unit[1]) != parameter.rotation_unit || other.minimum > parameter.minimum))
+                 std::string_view(other.unit[1]) != parameter.rotation_unit))
                 return true;
     return false;
 }
 
 void check(const dttmm_law& law) {
     if (law.major != DTTMM_LAW_MAJOR || law.size < sizeof(dttmm_law)) refuse(law, "it is of another version");
-    if (!is_key(law.name)) refuse(law, "its name must be letters, digits and underscores");
+    if (!is_key(law.name))
+        refuse(law, "its name must be letters, digits and underscores, without a digit first, and not \"law\"");
     if (!law.along || (law.parameter_count > 0 && !law.parameters)) refuse(law, "it is not whole");
     if (law.memory_count > Law::kMostMemory) refuse(law, "it remembers more than 256 numbers");
     if (law.parameter_count > 100) refuse(law, "it has more than 100 parameters");
@@ -65,7 +67,7 @@ void check(const dttmm_law& law) {
         if (std::ranges::find(kTaken, std::string_view(parameter.name)) != std::end(kTaken))
             refuse(law, "a parameter has the name of a key of elements: rename it");
         if (is_known_otherwise(parameter))
-            refuse(law, "another law has a parameter of the same name with another unit or a narrower range: rename it");
+            refuse(law, "another law has a parameter of the same name with another unit: rename it");
     }
 }
 

@@ -129,7 +129,7 @@ int LineForces::pieces(const Section& section) const {
     // Measured errors of frequencies: of a share v of the stiffness beside a linear axial force 0.03 to 0.085 v/k⁴ in k
     // pieces; of moments of a share b 0.008 b/k² (a deep cantilever); of a bend of b radii of gyration at most 0.12 b²/k²
     // (cantilevers and clamped bars, b = 0.006 to 1.7, 5 to 80 pieces).
-    constexpr double kShare = 1e-5, kVaries = 1e-6, kBend = 3e-3;
+    constexpr double kShare = 1e-5, kVaries = 1e-6, kBow = 3e-3;
     // What a moment does to a whole machine stays the same when beams are divided into n, and its share falls as 1/n²
     constexpr double kNothing = 1e-12;
     const Vector3 chord = (points_.back() - points_.front()).normalized();
@@ -148,7 +148,7 @@ int LineForces::pieces(const Section& section) const {
     const double stiff = std::max(across, std::pow(along * length / (M_PI * M_PI), 2));  // of a taut wire by its tension
     if (varies <= kNothing && bends * across <= kNothing * stiff && bent <= kNothing) return 0;
     if (varies <= kShare && bends <= kShare && bent <= kShare) return 1;
-    const double wanted = std::max({2.0, std::pow(varies / kVaries, 0.25), std::sqrt(bends / kShare), bent / kBend});
+    const double wanted = std::max({2.0, std::pow(varies / kVaries, 0.25), std::sqrt(bends / kShare), bent / kBow});
     return std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e6))), 1, segments());
 }
 

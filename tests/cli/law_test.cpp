@@ -43,7 +43,15 @@ TEST(CheckLaw, FindsEveryPlantedFault) {
         {"no_name", "its name must be letters, digits and underscores"},
         {"taken_name", "there is another law of this name"},
         {"much_memory", "it remembers more than 256 numbers"},
-        {"other_unit", "another law has a parameter of the same name with another unit"}};
+        {"other_unit", "another law has a parameter of the same name with another unit"},
+        {"overrun", "it writes more numbers than its memory has"},
+        {"tangent_of_slip", "its tangent is not that of going back"},
+        {"tangent_in_mm", "its tangent is not the derivative of its force"},
+        {"not_at_rest", "its answer is not finite (path 0 to "},
+        {"unit_of_nothing", "k has a unit that cannot be read"},
+        {"documentation_of_escapes", "the documentation of stiffness is not one line of text"},
+        {"key_of_elements", "a parameter has the name of a key of elements: rename it"},
+        {"digit_first", "a parameter is not well declared"}};
     for (const auto& [fault, says] : faults) {
         const Ended ended = run_dttmm("/", {"check-law", faulty_law(fault)});
         EXPECT_EQ(ended.code, 7) << fault;
@@ -87,6 +95,21 @@ TEST(ForeignLaw, RunsAsTheSpringThatItIs) {
         for (size_t c = 0; c < law[n].size(); ++c) EXPECT_NEAR(law[n][c], own[n][c], 1e-9 * (1 + std::abs(own[n][c])));
 }
 
+// Oracle: the minimum that the law declares; the law "linear" has a parameter of the same name from 0 on.
+TEST(ForeignLaw, HasItsOwnMinimum) {
+    const TemporaryFolder folder;
+    std::string text = kModel;
+    text.replace(text.find("2e4"), 3, "999");
+    write_text(folder / "model.toml", text);
+    const Ended ended = run_dttmm(folder.path(), {"check", "model.toml", "--plugin", faulty_law("own_minimum")});
+    EXPECT_EQ(ended.code, 3);
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("model.toml:"), HasSubstr("element \"pad\""),
+                                 HasSubstr("z.stiffness must be at least 1000 N/m, as the law faulty has it")));
+    text.replace(text.find("faulty"), 6, "linear");
+    write_text(folder / "model.toml", text);
+    EXPECT_EQ(run_dttmm(folder.path(), {"check", "model.toml", "--plugin", faulty_law("own_minimum")}).code, 0);
+}
+
 TEST(ForeignLaw, ThatBreaksIsNamedWithElementAndTime) {
     const TemporaryFolder folder;
     write_text(folder / "model.toml", kModel);
@@ -97,6 +120,14 @@ TEST(ForeignLaw, ThatBreaksIsNamedWithElementAndTime) {
     ended = run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "out2", "--plugin", faulty_law("other_major")});
     EXPECT_EQ(ended.code, 7);
     EXPECT_THAT(ended.err, HasSubstr("law \"faulty\": it is of another version"));
+    // Memory of other elements stays what it is; what a law does not write is no memory of an earlier question
+    ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out4", "--plugin", faulty_law("overrun")});
+    EXPECT_EQ(ended.code, 7);
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("element \"pad\""),
+                                 HasSubstr("law \"faulty\": it writes more than the 1 numbers of its memory")));
+    ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out5", "--plugin", faulty_law("forgets")});
+    EXPECT_EQ(ended.code, 7);
+    EXPECT_THAT(ended.err, HasSubstr("law \"faulty\": its answer is not finite"));
 #ifndef __SANITIZE_ADDRESS__
     ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out3", "--plugin", faulty_law("segmentation")});
     EXPECT_EQ(ended.code, 7);

@@ -1215,6 +1215,25 @@ TEST(Statics, AMachineOfNothingButABodyFalls) {
     EXPECT_EQ(floats["growing_motions"], 0);
 }
 
+// Oracle: a bar on a ball joint turns about the vertical. Nothing is elastic here.
+TEST(Statics, FreeMotionsOfJointsAreNamed) {
+    const AtRest rest = rest_of(R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[[body]]
+name = "bar"
+mass = 1.3
+inertia = [0.02, 0.03, 0.025]
+position = [0, 0, -0.185]
+[[joint]]
+name = "ball"
+type = "ball"
+between = ["ground", "bar"]
+anchor = [0, 0, 0]
+)");
+    EXPECT_NE(rest.told.find("nothing holds 1 motion (bar: rz"), std::string::npos) << rest.told;
+}
+
 // Oracle: a bob that stands on its pin grows, one that hangs does not; a third body on a rail is free in both cases.
 TEST(Statics, WhatGrowsIsNotCalledFree) {
     const std::string rail = R"([[body]]

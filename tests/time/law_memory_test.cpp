@@ -85,7 +85,7 @@ TEST(LawMemory, BadDeclarationsAreRefused) {
     };
     EXPECT_EQ(fault_of([](dttmm_law& law) { law.name = "cubic"; }), "law \"cubic\": there is another law of this name");
     EXPECT_EQ(fault_of([](dttmm_law& law) { law.name = "law"; }),
-              "law \"?\": its name must be letters, digits and underscores");
+              "law \"?\": its name must be letters, digits and underscores, without a digit first, and not \"law\"");
     EXPECT_EQ(fault_of([](dttmm_law& law) { law.along = nullptr; }), "law \"another\": it is not whole");
     EXPECT_EQ(fault_of([](dttmm_law& law) { law.size = 8; }), "law \"another\": it is of another version");
     EXPECT_EQ(fault_of([](dttmm_law& law) { law.parameter_count = 1; }), "law \"another\": it is not whole");

@@ -21,10 +21,29 @@ enum {
     taken_name,
     much_memory,
     other_unit,
-    gap
+    gap,
+    overrun,
+    forgets,
+    tangent_of_slip,
+    not_at_rest,
+    tangent_in_mm,
+    unit_of_nothing,
+    documentation_of_escapes,
+    key_of_elements,
+    digit_first,
+    own_minimum
 };
 
-static const dttmm_law_parameter parameters[] = {{"stiffness", FAULT == other_unit ? "N*s/m" : "N/m", "N*m/rad", 0, "k"}};
+static const dttmm_law_parameter parameters[] = {
+    {FAULT == key_of_elements   ? "motion"
+     : FAULT == digit_first     ? "2x"
+     : FAULT == unit_of_nothing ? "k"
+                                : "stiffness",
+     FAULT == other_unit        ? "N*s/m"
+     : FAULT == unit_of_nothing ? "parrots"
+                                : "N/m",
+     "N*m/rad", FAULT == own_minimum ? 1000 : 0, FAULT == documentation_of_escapes ? "k \033[31m" : "k"},
+    {"reach", FAULT == tangent_in_mm ? "mm" : "m", "rad", 0, "where it begins"}};
 
 static double beyond(double d) { return d > 1e-4 ? d - 1e-4 : d < -1e-4 ? d + 1e-4 : 0; }
 
@@ -61,6 +80,32 @@ static void along(const double* values, const dttmm_law_path* path, dttmm_law_an
         answer->mean += 1e-3 * k * way;
         answer->mean_tangent += 1e-3 * k;
     }
+    if (FAULT ==
+        tangent_of_slip) { /* a slider that gives way at 10 N behind the spring: all of it but the tangent at rest */
+        const double slider = path->memory[0], start = k * (path->from - slider), elastic = start + k * way,
+                     force = elastic > 10    ? 10
+                             : elastic < -10 ? -10
+                                             : elastic,
+                     slid = k > 0 ? (elastic - force) / k : 0;
+        answer->force = force;
+        answer->tangent = elastic == force && (force < 9.999999 && force > -9.999999) ? k : 0;
+        answer->stored = k > 0 ? force * force / (2 * k) : 0;
+        answer->dissipated = force * slid;
+        answer->mean = way == 0 ? force : (0.5 * (start + force) * (way - slid) + force * slid) / way;
+        answer->mean_tangent = slid == 0 ? 0.5 * k : (force - answer->mean) / way;
+        path->after[0] = k > 0 ? path->to - force / k : path->to;
+    }
+    if (FAULT == tangent_in_mm) { /* three times the tangent beyond the reach, which a wrong unit puts out of sight */
+        const double b = path->to > values[1] ? path->to - values[1] : 0,
+                     a = path->from > values[1] ? path->from - values[1] : 0;
+        answer->force = k * b;
+        answer->tangent = b > 0 ? 3 * k : 0;
+        answer->stored = 0.5 * k * b * b;
+        answer->mean = way != 0 ? 0.5 * k * (b + a) * ((b - a) / way) : k * b;
+        answer->mean_tangent = way != 0 ? (k * b - answer->mean) / way : (b > 0 ? 0.5 * k : 0);
+    }
+    if (FAULT == overrun) path->after[0] = path->after[1] = path->to;
+    if (FAULT == not_at_rest && path->time == 0 && way != 0) answer->force /= path->time;
     if (FAULT == not_a_number && path->to > 1e-4) answer->force = 0.0 / (way - way);
     if (FAULT == writes_memory) *(double*)(uintptr_t)path->memory = 1;
     if (FAULT == segmentation && path->to > 1e-4) *(volatile int*)(uintptr_t)(way - way) = 1;
@@ -68,11 +113,17 @@ static void along(const double* values, const dttmm_law_path* path, dttmm_law_an
 
 static const dttmm_law law = {sizeof(dttmm_law),
                               FAULT == other_major ? 2 : DTTMM_LAW_MAJOR,
-                              FAULT == no_name ? "a law" : FAULT == taken_name ? "cubic" : "faulty",
+                              FAULT == no_name      ? "a law"
+                              : FAULT == taken_name ? "cubic"
+                                                    : "faulty",
                               "a spring with a fault",
-                              1,
+                              FAULT == tangent_in_mm ? 2 : 1,
                               parameters,
-                              FAULT == much_memory ? 257 : FAULT == negative_dissipation || FAULT == writes_memory ? 1 : 0,
+                              FAULT == much_memory ? 257
+                              : FAULT == negative_dissipation || FAULT == writes_memory || FAULT == overrun ||
+                                      FAULT == forgets || FAULT == tangent_of_slip
+                                  ? 1
+                                  : 0,
                               along};
 
 const dttmm_law* dttmm_law_entry(uint32_t host_major, uint32_t index) {

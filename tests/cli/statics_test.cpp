@@ -1231,7 +1231,7 @@ type = "ball"
 between = ["ground", "bar"]
 anchor = [0, 0, 0]
 )");
-    EXPECT_NE(rest.told.find("nothing holds 1 motion (bar: rz"), std::string::npos) << rest.told;
+    EXPECT_NE(rest.told.find("nothing holds 1 motion (rz 100 %)"), std::string::npos) << rest.told;
 }
 
 // Oracle: a bob that stands on its pin grows, one that hangs does not; a third body on a rail is free in both cases.

@@ -78,6 +78,7 @@ void Interior::start(Ports ports, const double* accelerations, const double* loa
     matrix_.make_room_for_steps();
     motion_.make_room_for_steps();
     instant_.make_room_for_steps();
+    refactor();
 }
 
 /// Takes over the start values. `start` is freed on return, before memory for the steps is allocated.

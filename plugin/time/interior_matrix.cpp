@@ -27,10 +27,7 @@ InteriorMatrix::InteriorMatrix(Inside& inside)
     rigid_responses_.setZero(elimination_.rigid_count(), 6 * inside.ports);
 }
 
-void InteriorMatrix::make_room_for_steps() {
-    responses_.assign(36 * as_size(inside_.count) * as_size(inside_.ports), 0);
-    is_stale_ = true;  // a machine that only rests needs none
-}
+void InteriorMatrix::make_room_for_steps() { responses_.assign(36 * as_size(inside_.count) * as_size(inside_.ports), 0); }
 
 // ---- Forming it ---------------------------------------------------------------------------------------------------------
 

@@ -21,7 +21,7 @@ class InteriorMatrix {
 public:
     /// Keeps the inside, and works in its `motion` and `motion_q`.
     explicit InteriorMatrix(Inside& inside);
-    /// Room for the steps to come: nothing is allocated later. It is stale until form().
+    /// Room for the steps to come: nothing is allocated later.
     void make_room_for_steps();
 
     /// The factored matrix. Other matrices of the same frames may be copied from it for its pattern.

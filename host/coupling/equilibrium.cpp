@@ -51,6 +51,8 @@ constexpr double kClosed = 1e-9;
 /// One that is open by more contradicts another joint or a motor: share of the span, or angle [rad]. Anchors that the file
 /// rounds open less: on three parallel cranks of a metre one is off by 1.7 mm at this limit.
 constexpr double kContradiction = 1e-5;
+/// Of a step that may pass a kink; 0.125 passes, too. At 0.5 a jump counts as one: Statics.SnappingThroughIsTold fails.
+constexpr double kOfKink = 0.25;
 /// Load steps are halved down to this share of the load.
 constexpr double kLeastStep = 1.0 / 1024;
 /// What one support may ask for, and all motors in a row [rad].
@@ -181,7 +183,15 @@ double Equilibrium::raise_load(double t0, Steps steps) {
         // Without elements there is nothing that a smaller load would bend less: it rests at the same place
         const double least = kLeastStep * (steps == Steps::smooth && done > 0 ? done : largest_step);
         if (step >= least && has_elements_) continue;
-        if (steps == Steps::smooth) return done;
+        if (steps == Steps::smooth) {
+            const double shortest = std::min(least, 1 - done);
+            if (!has_elements_ || !pass_kink(done, shortest)) return done;
+            done += kOfKink * shortest;
+            step = least;
+            ++state_.load_steps;
+            equations_.keep();
+            continue;
+        }
         const std::string found = done > 0 ? fmt::format(", but one under {:.4g} of them", done) : "";
         if (widest.share > kContradiction)
             throw Error(ExitCode::numerical_failure,
@@ -194,6 +204,25 @@ double Equilibrium::raise_load(double t0, Steps steps) {
                                 model_.path, found, attempt.mover.empty() ? "not known" : attempt.mover));
     }
     return done;
+}
+
+/// Where a law has a kink, as where a slider gives way, corrections do not fall fast, however short the step. The machine
+/// then goes a way in proportion to the step; one that snaps through does not. Takes a share kOfKink of the step, if so.
+bool Equilibrium::pass_kink(double done, double step) {
+    steps_ = Steps::any;
+    double longer = 0;
+    bool passes = true;
+    for (const double share : {1.0, kOfKink}) {
+        equations_.recall();
+        const Attempt attempt = iterate(done + share * step);
+        passes = passes && attempt.is_converged && equations_.is_stable();
+        if (share < 1) passes = passes && attempt.way <= 2 * kOfKink * longer;
+        longer = attempt.way;
+        if (!passes) break;
+    }
+    if (!passes) equations_.recall();
+    steps_ = Steps::smooth;
+    return passes;
 }
 
 std::string Equilibrium::describe(const RestingJoints::Opening& open) const {
@@ -218,6 +247,7 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
             const RestEquations::Correction correction = correct();
             attempt.correction = correction.size;
             attempt.mover = correction.mover;
+            attempt.way += correction.share * correction.size;
             const RestEquations::Balance& balance = equations_.move(correction.share);
             // What goes on and on is let go ever farther, until it is clear that nothing holds it
             farthest_ = correction.share * correction.size > 0.5 * farthest_ ? 2 * farthest_ : size.span;

@@ -60,6 +60,7 @@ private:
     struct Attempt {
         bool is_converged = false;
         double correction = 0;        ///< the last one [m]
+        double way = 0;               ///< of all corrections together [m]
         std::string mover;            ///< what it moves most
         RestingJoints::Opening open;  ///< of joints, where nothing moves any longer
     };
@@ -68,6 +69,7 @@ private:
     double follow(double t0);
     void begin(double t0);
     double raise_load(double t0, Steps steps);
+    bool pass_kink(double done, double step);
     std::string describe(const RestingJoints::Opening& open) const;
     Attempt iterate(double factor);
     RestEquations::Correction correct();

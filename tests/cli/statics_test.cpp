@@ -1215,6 +1215,41 @@ TEST(Statics, AMachineOfNothingButABodyFalls) {
     EXPECT_EQ(floats["growing_motions"], 0);
 }
 
+// Oracle: a spring of 100 N/m beside one of 1000 N/m that slips at 20 N: 0.3 m under 50 N, and stable on the way, as its
+// stiffness is never below 100 N/m. A truss beside it that snaps through does so at the load of its limit all the same.
+TEST(Statics, ASliderThatGivesWayIsNoLimit) {
+    for (const double stiffness : {500., 1000., 3000., 70000.}) {
+        const std::string slider = fmt::format(R"(format = "dttmm/1"
+[[body]]
+name = "B"
+mass = 2
+inertia = [1, 1, 1]
+[[element]]
+name = "s"
+type = "spring_damper"
+from = "ground"
+to = "B"
+stiffness = [0, 300, 300]
+x = {{ law = "jenkins", stiffness = {}, slip = 20 }}
+rotational_stiffness = 100
+[[element]]
+name = "l"
+type = "spring_damper"
+from = "ground"
+to = "B"
+stiffness = [100, 0, 0]
+[[load]]
+on = "B"
+direction = [1, 0, 0]
+force = 50
+)",
+                                               stiffness);
+        AtRest rest = rest_of(slider, {"--plugin", test::paths::jenkins()});
+        EXPECT_NEAR(rest.row["B.position.x"], 0.3, 1e-12) << stiffness;
+        EXPECT_EQ(rest.told.find("becomes unstable"), std::string::npos) << stiffness;
+    }
+}
+
 // Oracle: a bar on a ball joint turns about the vertical. Nothing is elastic here.
 TEST(Statics, FreeMotionsOfJointsAreNamed) {
     const AtRest rest = rest_of(R"(format = "dttmm/1"

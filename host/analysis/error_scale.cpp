@@ -68,7 +68,7 @@ std::vector<double> error_scales(const Model& model, const FastestMode& fastest,
 
     double m = model.bodies.empty() ? 1 : 0;  // what nodes weigh is the plugin's
     for (const Body& body : model.bodies) m = std::max(m, body.mass);
-    constexpr double kRest = 1e-11;  // measured: 3e-14 of rounding
+    constexpr double kRest = 1e-11;  // of the largest coordinate; rounding moved machines at rest by 3e-14
     const std::optional<double>& tolerance = model.simulation.tolerance;
     const double rho = tolerance && largest["m"] <= kRest * coordinate ? kRest * coordinate / *tolerance
                                                                        : std::max(1e-9 * largest["m"], 1e-12 * coordinate),

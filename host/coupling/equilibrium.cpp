@@ -19,9 +19,9 @@ namespace {
 /// Of one Newton correction [rad]: the derivative says little of what is farther.
 constexpr double kMostTurn = 0.5;
 /// Of the ends of a joint that turn or shift against each other, as share of what its law holds up to: more may be a kink or
-/// a tear, to which large corrections have led. Halves of halves are tried down to a fifth. Of 120 ropes 2 are then found
-/// with kinks; 7 from twice as much on, 1 from half as much on with a third more iterations, 4 where only two are tried, 13
-/// with 0.125 alone.
+/// a tear, to which large corrections have led. Halves of halves are tried down to a fifth. Before shifts counted, 2 of 120
+/// ropes were found with kinks; 7 from twice as much on, 1 from half as much on with a third more iterations, 4 where only
+/// two were tried, 13 with 0.125 alone.
 constexpr double kMayBeKink = 0.5, kMostBend = 0.2, kLeastBend = 0.04;
 /// Of what supports and motors ask for in one load step [rad]. Bodies and springs are followed from one load step to the
 /// next: two supports that turn against each other stay within half a turn.

@@ -126,14 +126,15 @@ RestEquations::Correction RestEquations::correct(double resistance) {
     return all;
 }
 
-/// Of equations with joints the stiffness has a negative eigenvalue for each of their rows (Haynsworth's inertia
-/// additivity).
+/// Of the symmetric part. Of equations with joints the stiffness has a negative eigenvalue for each of their rows
+/// (Haynsworth's inertia additivity).
 bool RestEquations::is_stable() {
     form(least_resistance_);
     std::ranges::fill(change_, 0.0);
     if (networks_.correct_static(change_.data()).falling > 0) return false;
     if (joints_.rows() == 0) return true;
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factors(matrix_);
+    const Eigen::SparseMatrix<double> transposed = matrix_.transpose(), symmetric = 0.5 * (matrix_ + transposed);
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factors(symmetric);
     const Eigen::Index of_joints = joints_.rows() - as_row(change_.size());
     return factors.info() != Eigen::Success || (factors.vectorD().array() < 0).count() <= of_joints;
 }
@@ -169,10 +170,7 @@ void RestEquations::form(double resistance) {
     Eigen::VectorXd held = Eigen::VectorXd::Zero(joints_.rows());
     networks_.form_static(now_.at, resistance, wrenches_.data(), [&](int row, int column, const Networks::Block& K) {
         for (int i = 0; i < 6; ++i)
-            for (int j = 0; j < 6; ++j) {
-                entries.emplace_back(6 * row + i, 6 * column + j, 0.5 * K(i, j));
-                entries.emplace_back(6 * column + j, 6 * row + i, 0.5 * K(i, j));
-            }
+            for (int j = 0; j < 6; ++j) entries.emplace_back(6 * row + i, 6 * column + j, K(i, j));
         if (row == column) held.segment<6>(6 * row) += K.diagonal().cwiseAbs();
     });
     if (stiffest_ == 0) set_least_resistance(held);
@@ -180,6 +178,7 @@ void RestEquations::form(double resistance) {
     const std::vector<double> loads = loads_on(now_.at, factor_);
     for (size_t i = 0; i < loads.size(); ++i) wrenches_[i] += loads[i];
     add_load_stiffness(factor_, entries);
+    add_turning_about(loads, entries);
     for (size_t b = 0; b < size_.inertias.size(); ++b) {
         const BlockMatrix::Block M = size_.inertias[b].block(now_.at[b].rotation);
         for (int i = 0; i < 6; ++i)
@@ -234,10 +233,25 @@ void RestEquations::add_load_stiffness(double factor, Triplets& entries) const {
             for (int r = 0; r < 6; ++r) {
                 const int row = 6 * as_int(b) + r, column = 6 * as_int(b) + 3 + c;
                 const double k = -slope(row);
-                if (k == 0) continue;
-                entries.emplace_back(row, column, 0.5 * k);
-                entries.emplace_back(column, row, 0.5 * k);
+                if (k != 0) entries.emplace_back(row, column, k);
             }
+    }
+}
+
+/// Turns about two world axes in turn do work on a moment that hangs on which comes first. The stiffness of what balances a
+/// moment M on a body by its turns is therefore K − ½ [M]×, K symmetric; elements and joints give K. Where M has a
+/// potential, as that of a force on a lever arm, the stiffness of the load has ½ [M]×, and the two cancel out. Without this
+/// part Newton's iteration diverges under a large moment that keeps its direction.
+void RestEquations::add_turning_about(const std::vector<double>& loads, Triplets& entries) const {
+    for (size_t b = 0; b < model_.bodies.size(); ++b) {
+        const int row = 6 * as_int(b) + 3;
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            const double half = 0.5 * loads[as_size(row + i)];
+            if (half == 0) continue;
+            entries.emplace_back(row + j, row + k, half);
+            entries.emplace_back(row + k, row + j, -half);
+        }
     }
 }
 
@@ -246,7 +260,8 @@ std::vector<double> RestEquations::load_stiffness() const {
     add_load_stiffness(1, entries);
     std::vector<double> all(36 * model_.bodies.size(), 0.0);
     for (const auto& entry : entries)
-        all[36 * as_size(entry.row() / 6) + 6 * as_size(entry.row() % 6) + as_size(entry.col() % 6)] += entry.value();
+        for (const auto& [row, column] : {std::pair(entry.row(), entry.col()), std::pair(entry.col(), entry.row())})
+            all[36 * as_size(row / 6) + 6 * as_size(row % 6) + as_size(column % 6)] += 0.5 * entry.value();
     return all;
 }
 

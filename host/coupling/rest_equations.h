@@ -88,6 +88,7 @@ private:
     void set_least_resistance(const Eigen::VectorXd& held);
     std::vector<double> loads_on(const std::vector<BodyState>& at, double factor) const;
     void add_load_stiffness(double factor, Triplets& entries) const;
+    void add_turning_about(const std::vector<double>& loads, Triplets& entries) const;
     double reach(size_t body) const { return size_.reach[body]; }
     /// Added to the inertia of a body in the resistance [kg m²]. The motion of a chain follows from how its links turn. By
     /// inertia alone the links at its ends would turn first, as in a fall, and the next after them; with this all turn at

@@ -57,6 +57,13 @@ Vector6 Loading::wrench(int frame, FrameView at, const double* values) const {
     return sum;
 }
 
+Vector3 Loading::steady_moment(int frame, const double* values) const {
+    Vector3 sum = Vector3::Zero();
+    for (size_t a = begin_[as_size(frame)]; a < begin_[as_size(frame) + 1]; ++a)
+        if (actions_[a].kind == Action::Kind::at_node) sum += Eigen::Map<const Vector3>(values + actions_[a].value + 3);
+    return sum;
+}
+
 Matrix6 Loading::stiffness(int frame, FrameView at, const Vector3& origin, const double* values) const {
     Matrix6 sum = Matrix6::Zero();
     for (size_t a = begin_[as_size(frame)]; a < begin_[as_size(frame) + 1]; ++a) {

@@ -29,6 +29,8 @@ public:
     bool is_on(int frame) const { return begin_[as_size(frame)] < begin_[as_size(frame) + 1]; }
     /// The wrench on a frame that is at `at`, about its origin, world axes.
     Vector6 wrench(int frame, FrameView at, const double* values) const;
+    /// The part of its moment that keeps its direction, whatever turns: the moments given at nodes.
+    Vector3 steady_moment(int frame, const double* values) const;
     /// The symmetric part of −∂(wrench)/∂(pose), the wrench about a point `origin` that goes with the frame: what the loads
     /// do as their lever arms turn with it, or they themselves.
     Matrix6 stiffness(int frame, FrameView at, const Vector3& origin, const double* values) const;

@@ -9,8 +9,10 @@
 #include "mechanism/mechanism.h"
 #include "solve/elimination.h"
 #include "statics/at_rest.h"
+#include "statics/hanging_frames.h"
 #include "statics/network_size.h"
 #include "statics/resting_joint.h"
+#include "statics/steady_moments.h"
 
 namespace dttmm::plugin {
 
@@ -24,8 +26,9 @@ namespace dttmm::plugin {
 ///
 /// The stiffness of forces that turn is that of the forces that the last correction led to expect, not of those that it
 /// found: a slender part that turns is stretched by a linear correction, and the pull of that would hide what the bending
-/// is about. Source: Magisano, Leonetti and Garcea (2017), How to improve efficiency and robustness of the Newton method in
-/// geometrically non-linear structural problem, Comput. Methods Appl. Mech. Engrg. 313, 986-1005.
+/// is about. Frames that hang on others as a tree go where the deformations of their joints lead. Source: Magisano, Leonetti
+/// and Garcea (2017), How to improve efficiency and robustness of the Newton method in geometrically non-linear structural
+/// problem, Comput. Methods Appl. Mech. Engrg. 313, 986-1005.
 ///
 /// A small resistance s M against every correction (a proximal term: it slows the iteration down, and moves nothing once
 /// forces balance) keeps motions determined that nothing holds.
@@ -85,6 +88,8 @@ private:
     void take_ports(Ports ports);
     void place_joints();
     void predict_forces(double share);
+    void move_frames(Ports ports, double share);
+    void solve() { steady_moments_.solve(matrix_, correction_.u, correction_.q); }
     void add_joint(size_t joint);
     Matrix6 resistance_of(int frame) const;
     void find_residuals();
@@ -108,8 +113,9 @@ private:
         std::vector<double> q;
     };
     Place now_, base_, kept_;  ///< base_: where the equations were formed; kept_: where to go back to
-    std::vector<Vector6> port_change_;
     Elimination matrix_;
+    SteadyMoments steady_moments_;
+    HangingFrames hanging_;
     /// A joint where its frames are now.
     struct Resting {
         PlacedJoint placed;
@@ -131,7 +137,8 @@ private:
     };
     Residual residual_, base_residual_;
     struct Correction {
-        std::vector<Vector6> u;  ///< of the inner frames
+        std::vector<Vector6> u;         ///< of the inner frames
+        std::vector<Vector6> of_ports;  ///< that it goes with
         std::vector<double> q;
     };
     Correction correction_;

@@ -76,7 +76,7 @@ TEST(Statics, TheElasticaOfACantilever) {
         before = error;
     }
     EXPECT_LT(before, 1e-4);
-    EXPECT_LE(iterations, 3 * 20);
+    EXPECT_LE(iterations, 3 * 10);
 }
 
 TEST(Statics, AnEndMomentBendsABarIntoACircle) {
@@ -127,6 +127,64 @@ moment = {}
         AtRest bent = rest_of(with_body("[0, -1, 0]"));
         EXPECT_NEAR(bent.row["tip.position.x"], std::sin(moment) / moment, 2e-4);
         EXPECT_NEAR(bent.row["tip.position.z"], (1 - std::cos(moment)) / moment, 2e-4);
+    }
+}
+
+/// A clamped bar of 1.7 m, in axes turned by `turn`, that a moment M about its y bends into a circle. Its end is a node, or
+/// a body.
+std::string circle_of(int segments, const Eigen::Quaterniond& turn, bool has_body, const std::string& section) {
+    const auto list = [&](const Eigen::Vector3d& of) {
+        const Eigen::Vector3d v = turn * of;
+        return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z());
+    };
+    const std::string end = list({1.7, 0, 0});
+    return fmt::format(
+        R"(format = "dttmm/1"
+[nodes]
+root = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+{}
+[[element]]
+name = "bar"
+type = "beam"
+from = "root"
+to = "tip"
+segments = {}
+up = {}
+theory = "euler-bernoulli"
+section = {}
+[[load]]
+on = "tip"
+direction = {}
+moment = {:.17g}
+)",
+        has_body ? "[[body]]\nname = \"tip\"\nmass = 0.7\ninertia = [0.01, 0.02, 0.015]\nposition = " + end : "tip = " + end,
+        segments, list({0, 0, 1}), section, list({0, -1, 0}), 2 * M_PI * 210 / 1.7);
+}
+
+// Oracle: its end comes back to its root, to third order in 1/segments. In turned axes nothing is zero by chance: a matrix
+// that lacks what a moment does that keeps its direction lets rounding across the plane grow, and finds nothing.
+TEST(Statics, ABarBendsIntoACircleInAnyAxes) {
+    const std::string sections[] = {"{ EA = 1e7, EIy = 210, EIz = 210, GJ = 161.5, mass = 2, inertia = 0.01 }",
+                                    "{ EA = 1e5, EIy = 210, EIz = 500, GJ = 400, mass = 2, inertia = 0.01 }",
+                                    "{ EA = 1e8, EIy = 210, EIz = 210, GJ = 100, mass = 2, inertia = 0.01 }"};
+    const Eigen::Quaterniond turns[] = {Eigen::Quaterniond::Identity(), {0.5, 0.5, -0.1, 0.7}, {-0.2, 0.3, 0.8, 0.4}};
+    for (const std::string& section : sections)
+        for (const Eigen::Quaterniond& turn : turns)
+            for (const int segments : {8, 13, 40, 100}) {
+                AtRest rest = rest_of(circle_of(segments, turn.normalized(), false, section));
+                const Eigen::Vector3d tip(rest.row["tip.position.x"], rest.row["tip.position.y"],
+                                          rest.row["tip.position.z"]);
+                EXPECT_LT(tip.norm(), 5.0 / std::pow(segments, 3)) << segments << section;
+                EXPECT_LE(rest.summary["iterations"].get<int>(), 50) << segments << section;
+            }
+}
+
+TEST(Statics, ABodyAtTheEndOfACircleInAnyAxes) {
+    const std::string section = "{ EA = 1e6, EIy = 210, EIz = 350, GJ = 161.5, mass = 2, inertia = 0.01 }";
+    for (const int segments : {8, 20}) {
+        AtRest rest = rest_of(circle_of(segments, Eigen::Quaterniond(0.5, 0.5, -0.1, 0.7).normalized(), true, section));
+        const Eigen::Vector3d tip(rest.row["tip.position.x"], rest.row["tip.position.y"], rest.row["tip.position.z"]);
+        EXPECT_LT(tip.norm(), 5.0 / std::pow(segments, 3));
     }
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/rotation.h"
 #include "support/network_model.h"
 
 namespace dttmm::plugin {
@@ -54,6 +55,62 @@ TEST(StaticNetwork, ASmallerShareTakesThePlaceOfTheFirst) {
     const std::vector<double> once = formed_after({0.3}), twice = formed_after({1, 0.3}), other = formed_after({1});
     for (size_t i = 0; i < once.size(); ++i) EXPECT_DOUBLE_EQ(twice[i], once[i]) << i;
     EXPECT_NE(other[0], once[0]) << "the share counts";
+}
+
+/// The bar under loads, its body moved by `motion` (world axes) from where it is assembled, the inside in balance.
+class LoadedBar {
+public:
+    LoadedBar()
+        : model_(bent_bar()),
+          description_(model_.description()),
+          mechanism_(description_),
+          network_(mechanism_, Loading(mechanism_.assembly, description_)) {
+        const double loads[6] = {30, -50, 20, 60, -35, 45};
+        network_.set_loads({0, 0, -9.81}, loads);
+    }
+    Vector6 wrench_at(const Vector6& motion) {
+        const Vector3 place = Vector3(1.4, 0.2, 0.1) + motion.head<3>();
+        Eigen::Map<Vector3>{body_.position} = place;
+        Eigen::Map<RowMajor3>{body_.rotation} = rotation_from_vector<double>(Vector3(motion.tail<3>()));
+        for (int i = 0; i < 40; ++i) {
+            network_.form({&body_, &kFirst}, 0);
+            network_.correct(std::vector<Vector6>(1, Vector6::Zero()));
+            network_.move({&body_, &kFirst}, 1);
+        }
+        return network_.wrench(0);
+    }
+    Matrix6 stiffness() {
+        std::vector<double> S(36, 0.0);
+        std::vector<Vector6> wrench(1, Vector6::Zero());
+        network_.form({&body_, &kFirst}, 0);
+        network_.condense(wrench, S.data());
+        return Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(S.data());
+    }
+
+private:
+    static constexpr uint32_t kFirst = 0;
+    test::NetworkModel model_;
+    dttmm_network description_;
+    Mechanism mechanism_;
+    StaticNetwork network_;
+    dttmm_motion body_{};
+};
+
+// Oracle: central differences of the wrench on the body. What balances the wrench w = [F; M] there has beside it the part
+// ½ [M]× by the turn of the body, which SteadyMoments derives.
+TEST(StaticNetwork, AMomentThatKeepsItsDirectionHasNoPotential) {
+    LoadedBar bar;
+    Matrix6 differences;
+    constexpr double kSmall = 1e-5;
+    for (int c = 0; c < 6; ++c)
+        differences.col(c) =
+            -(bar.wrench_at(kSmall * Vector6::Unit(c)) - bar.wrench_at(-kSmall * Vector6::Unit(c))) / (2 * kSmall);
+    const Vector6 wrench = bar.wrench_at(Vector6::Zero());
+    Matrix6 expected = differences;
+    expected.bottomRightCorner<3, 3>() -= 0.5 * skew(wrench.tail<3>());
+    const Matrix6 S = bar.stiffness();
+    EXPECT_LT((S - expected).norm(), 1e-7 * S.norm());
+    EXPECT_GT((S - S.transpose()).norm(), 1e-3 * S.norm()) << "the moment inside counts";
 }
 
 }  // namespace

@@ -64,6 +64,10 @@ std::optional<Attachment> Attachments::read(const TableReader& table, const Toml
     return Attachment{whole.body, as_int(marker - markers.begin()), -1};
 }
 
+bool Attachments::is_clamped(const Attachment& attachment) const {
+    return attachment.node >= 0 && nodes_[as_size(attachment.node)].fixed.all();
+}
+
 bool Attachments::is_held(const Attachment& attachment, const Eigen::Vector3d& direction, bool is_moment) const {
     if (attachment.node < 0) return false;
     const auto& fixed = nodes_[as_size(attachment.node)].fixed;

@@ -26,6 +26,8 @@ public:
     /// Whether there is a body or node of that name.
     bool has(const std::string& name) const { return index_.contains(name); }
 
+    /// Whether it is a node that is fixed in all directions.
+    bool is_clamped(const Attachment& attachment) const;
     /// Whether it is a node that is fixed in every direction in which a force, or a moment, along `direction` pushes.
     bool is_held(const Attachment& attachment, const Eigen::Vector3d& direction, bool is_moment) const;
 

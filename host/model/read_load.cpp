@@ -157,9 +157,15 @@ std::optional<Load> read_point_load(const TableReader& table, const TomlMember& 
         return std::nullopt;
     }
     const bool is_moment = is_moment_by(*magnitude);
-    if (on && direction && attachments.is_held(*on, *direction, is_moment))
-        table.error(member.value.place, fmt::format("node {} is fixed in the direction of the {}, which moves nothing",
-                                                    quote(member.value.string), magnitude->key));
+    if (on && attachments.is_clamped(*on))
+        table.error(member.value.place,
+                    fmt::format("node {} is fixed in all directions: a load there moves nothing, and no reaction has it",
+                                quote(member.value.string)));
+    else if (on && direction && attachments.is_held(*on, *direction, is_moment))
+        table.warning(member.value.place, "load-on-support",
+                      fmt::format("node {} is fixed in the direction of the {}, which moves nothing: its reaction alone has "
+                                  "it",
+                                  quote(member.value.string), magnitude->key));
     if (on && !is_moment && attachments.is_off_centre(*on))
         table.error(
             member.value.place,

@@ -79,6 +79,18 @@ TEST(Statics, TheElasticaOfACantilever) {
     EXPECT_LE(iterations, 3 * 10);
 }
 
+// Oracle: the first integral of the elastica, M²/(2 EI) + F sin θ, between its root and its end, which turns to 90° but for
+// exp(−L √(F/EI)). Where a correction may turn the end twice as far, some take 160 iterations.
+TEST(Statics, StrongForcesOnACantilever) {
+    for (const double force : {50, 200, 1000})
+        for (const int segments : {20, 40, 80, 160}) {
+            AtRest rest = rest_of(bar(segments, force, 0));
+            EXPECT_LE(rest.summary["iterations"].get<int>(), 50) << force << " " << segments;
+            const double error = std::abs(rest.row["root.reaction_moment.y"]) / std::sqrt(2 * force) - 1;
+            EXPECT_LT(std::abs(error), 5e-3 * force / (segments * segments) + 0.3 * force / 1e6) << force << " " << segments;
+        }
+}
+
 TEST(Statics, AnEndMomentBendsABarIntoACircle) {
     double before = 0;
     for (const int segments : {8, 16, 32}) {
@@ -127,6 +139,42 @@ moment = {}
         AtRest bent = rest_of(with_body("[0, -1, 0]"));
         EXPECT_NEAR(bent.row["tip.position.x"], std::sin(moment) / moment, 2e-4);
         EXPECT_NEAR(bent.row["tip.position.z"], (1 - std::cos(moment)) / moment, 2e-4);
+    }
+}
+
+// Oracle: balance by hand. A force into a support, alone or as a part of an oblique one, is in the reaction there, in a run
+// too.
+TEST(Statics, AForceIntoASupportIsInItsReaction) {
+    const auto model = [](const char* direction, double force) {
+        return fmt::format(R"(format = "dttmm/1"
+[simulation]
+duration = 0.01
+step = 0.001
+start = "equilibrium"
+[output]
+channels = ["*.reaction"]
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+b = {{ position = [1.2, 0, 0], fixed = ["y", "z"] }}
+[[element]]
+name = "c"
+type = "beam"
+from = "a"
+to = "b"
+segments = 4
+section = {{ EA = 1e6, EIy = 210, EIz = 210, GJ = 160, GAy = 1e5, GAz = 1e5, mass = 2, inertia = 0.01 }}
+[[load]]
+on = "b"
+direction = {}
+force = {}
+)",
+                           direction, force);
+    };
+    for (const auto& [direction, force] : {std::pair("[0, 0, -1]", 80.0), std::pair("[0.6, 0, -0.8]", 100.0)}) {
+        AtRest rest = rest_of(model(direction, force));
+        EXPECT_NEAR(rest.row["b.reaction.z"], 80, 1e-9) << direction;
+        EXPECT_NEAR(rest.row["a.reaction.z"], 0, 1e-9) << direction;
+        EXPECT_NEAR(final_row(model(direction, force))["b.reaction.z"], 80, 1e-7) << direction;
     }
 }
 

@@ -41,21 +41,26 @@ TEST(ReadLoad, ALoadMayActOnANode) {
     EXPECT_TRUE(load.is_moment);
 }
 
-// A load along a direction in which its node is held would be taken by the ground unseen.
-TEST(ReadLoad, ALoadOnWhatIsFixedIsRefused) {
+// A clamp has no reaction of its own loads: the ground would take them unseen. A node that is fixed in part has.
+TEST(ReadLoad, ALoadOnAClampIsRefusedAndOneIntoASupportWarnedOf) {
     const auto held = [](const std::string& fixed, const std::string& load) {
         return model_with("[nodes]\ntip = { position = [0, 0, 1], fixed = " + fixed + " }\n[[load]]\non = \"tip\"\n" + load +
                           "\n[[element]]\nname = \"mass\"\ntype = \"lump\"\nat = \"tip\"\nmass = 1\n");
     };
     const std::string all = R"(["x", "y", "z", "rx", "ry", "rz"])", some = R"(["x", "z", "ry"])";
     EXPECT_THAT(errors_of(held(all, "direction = [1, 2, 3]\nforce = 7")),
-                HasSubstr("m.toml:15:6: load number 1: node \"tip\" is fixed in the direction of the force"));
-    EXPECT_THAT(errors_of(held(some, "direction = [1, 0, 3]\nforce = 7")),
-                HasSubstr("is fixed in the direction of the force"));
-    EXPECT_THAT(errors_of(held(some, "direction = [0, 2, 0]\nmoment = 7")),
-                HasSubstr("is fixed in the direction of the moment"));
-    EXPECT_EQ(parse(held(some, "direction = [1, 1e-3, 0]\nforce = 7")).loads.size(), 1u);
-    EXPECT_EQ(parse(held(some, "direction = [1, 0, 0]\nmoment = 7")).loads.size(), 1u);
+                HasSubstr("m.toml:15:6: load number 1: node \"tip\" is fixed in all directions"));
+    const auto warnings = [&](const std::string& load) {
+        auto all_warnings = parse(held(some, load)).warnings;
+        std::erase_if(all_warnings, [](const auto& warning) { return warning.code != "load-on-support"; });
+        return all_warnings;
+    };
+    EXPECT_THAT(warnings("direction = [1, 0, 3]\nforce = 7"),
+                testing::ElementsAre(WarningIs("load-on-support", HasSubstr("is fixed in the direction of the force"))));
+    EXPECT_THAT(warnings("direction = [0, 1, 0]\nmoment = 7"),
+                testing::ElementsAre(WarningIs("load-on-support", HasSubstr("is fixed in the direction of the moment"))));
+    EXPECT_THAT(warnings("direction = [1, 1e-3, 0]\nforce = 7"), testing::IsEmpty());
+    EXPECT_THAT(warnings("direction = [1, 0, 0]\nmoment = 7"), testing::IsEmpty());
 }
 
 TEST(ReadLoad, FaultsNameTheLoadByItsNumber) {

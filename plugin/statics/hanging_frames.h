@@ -8,9 +8,11 @@
 
 namespace dttmm::plugin {
 
-/// Inner frames that hang on the rest of a network, or on each other, as a tree: each by one joint that it shares with the
-/// frame it hangs on. No loop goes through such a joint, so that its deformation decides alone where the frame is. A small
-/// turn of a long arm, taken as a displacement, would stretch the arm by its square; deformations know no such turn.
+/// Inner frames that hang on the rest of a network as a tree: each by one joint from the frame before it. No loop goes
+/// through such a joint. Its deformation alone decides where the frame is.
+///
+/// A correction is linear. Taken as displacements, a turn by θ of a bar stretches it by θ²/2, and the forces of that are
+/// large in a slender bar. Taken as changes of the deformations, it stretches nothing.
 class HangingFrames {
 public:
     explicit HangingFrames(const Mechanism& mechanism);
@@ -21,8 +23,8 @@ public:
     void for_each_joint(const Function& function) const {
         for (const Hanging& hanging : all_) function(hanging.joint);
     }
-    /// Takes the deformations that small motions of the frames lead to from where the joints are placed.
-    /// motion_of(frame): world axes.
+    /// Takes the deformations after a correction: placed_at(joint) is the joint before it, motion_of(frame) the shift and
+    /// the small turn of a frame, world axes [m, rad].
     template <class PlacedAt, class Motion>
     void deform(const PlacedAt& placed_at, const Motion& motion_of) {
         for (Hanging& hanging : all_) {
@@ -30,7 +32,7 @@ public:
             hanging.take(placed, motion_of(placed.joint.from()), motion_of(placed.joint.to()));
         }
     }
-    /// Puts the frames where these deformations have them; the frames that hang on nothing are where they will be.
+    /// Puts the frames that hang where these deformations have them. The others are in their new places already.
     void place(const Mechanism& mechanism, std::vector<Frame>& frames) const;
 
 private:

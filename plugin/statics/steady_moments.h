@@ -9,12 +9,12 @@
 
 namespace dttmm::plugin {
 
-/// Moments that keep their direction while their frame turns. They have no potential: turns about two world axes in turn
-/// do work on them that hangs on which comes first. What balances M at a frame has the stiffness
-///     K − ½ [M]×   by the turn of the frame,
-/// K symmetric, [M]× the matrix of M × …: the second derivative of an energy by turns R ← exp([θ]×) R has the part
-/// ½ [its gradient]× beside a symmetric one. Without it Newton's iteration multiplies motions across M by about
-/// M L/(2 √(EI GJ)) each time, L the length of the bar at whose end M is: they grow from rounding.
+/// Moments that keep their direction while their frame turns. They have no potential: their work in two turns about
+/// different axes depends on the order of the turns. What balances such a moment M has the stiffness, by turns of the frame,
+///     K − ½ [M]×,   [M]× v = M × v,
+/// K symmetric. For turns R ← exp([θ]×) R the second derivative of an energy has a symmetric part and −½ [g]×, g its
+/// gradient, here M: exp([a]×) exp([θ]×) = exp([a + θ + ½ a × θ + …]×). Without that part each iteration multiplies motions
+/// across M by about M L/(2 √(EI GJ)), L the length of the bar that M bends: they grow from rounding.
 ///
 /// The symmetric matrix stays factored; three columns per moment are added to its solutions (Sherman, Morrison, Woodbury).
 class SteadyMoments {

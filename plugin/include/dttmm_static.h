@@ -47,8 +47,8 @@ typedef struct dttmm_static_table {
     dttmm_status (*set_loads)(dttmm_instance* instance, const double gravity[3], const double* loads, dttmm_error* error);
     /* Forms the equations with the bodies at these poses (velocities are not looked at). wrench: on the bodies, less what
      * the inside takes of it by coming to rest; stiffness = -d(wrench)/d(pose), what stems from forces that turn included,
-     * symmetric but for what moments on the inside that keep their direction do to it. resistance s [1/s^2]: s times the
-     * mass matrix is added to the stiffness inside. [after begin] */
+     * symmetric but for what loads on the inside without a potential do to it. resistance s [1/s^2]: s times the mass
+     * matrix is added to the stiffness inside. [after begin] */
     dttmm_status (*form)(dttmm_instance* instance, const dttmm_motion* bodies, double resistance, double* wrench,
                          double* stiffness, dttmm_error* error);
     /* Finds the correction of the inside to that of the bodies, `change`: shifts and small turns. [after form] */

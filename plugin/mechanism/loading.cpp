@@ -57,13 +57,6 @@ Vector6 Loading::wrench(int frame, FrameView at, const double* values) const {
     return sum;
 }
 
-Vector3 Loading::steady_moment(int frame, const double* values) const {
-    Vector3 sum = Vector3::Zero();
-    for (size_t a = begin_[as_size(frame)]; a < begin_[as_size(frame) + 1]; ++a)
-        if (actions_[a].kind == Action::Kind::at_node) sum += Eigen::Map<const Vector3>(values + actions_[a].value + 3);
-    return sum;
-}
-
 Matrix6 Loading::stiffness(int frame, FrameView at, const Vector3& origin, const double* values) const {
     Matrix6 sum = Matrix6::Zero();
     for (size_t a = begin_[as_size(frame)]; a < begin_[as_size(frame) + 1]; ++a) {
@@ -77,6 +70,23 @@ Matrix6 Loading::stiffness(int frame, FrameView at, const Vector3& origin, const
         const Vector3 arm = load.arm + at.origin() - origin;
         const Matrix3 turned = skew(arm) * skew(load.force) + skew(Vector3(at.axes().col(0))) * skew(load.slope);
         sum.bottomRightCorner<3, 3>() -= 0.5 * (turned + turned.transpose());
+    }
+    return sum;
+}
+
+Matrix6 Loading::unsymmetric_stiffness(int frame, FrameView at, const double* values) const {
+    Matrix6 sum = Matrix6::Zero();
+    for (size_t a = begin_[as_size(frame)]; a < begin_[as_size(frame) + 1]; ++a) {
+        const Acting load = acting(actions_[a], at, values);
+        if (actions_[a].kind == Action::Kind::at_node) {
+            sum.bottomRightCorner<3, 3>() -= 0.5 * skew(load.moment);
+        } else if (actions_[a].kind == Action::Kind::turns_with_segment) {
+            const Vector3 moment = load.arm.cross(load.force) + Vector3(at.axes().col(0)).cross(load.slope);
+            const Matrix3 half = 0.5 * skew(load.force);
+            sum.topRightCorner<3, 3>() += half;
+            sum.bottomLeftCorner<3, 3>() += half;
+            sum.bottomRightCorner<3, 3>() += 0.5 * skew(moment);
+        }
     }
     return sum;
 }

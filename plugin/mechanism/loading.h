@@ -29,11 +29,18 @@ public:
     bool is_on(int frame) const { return begin_[as_size(frame)] < begin_[as_size(frame) + 1]; }
     /// The wrench on a frame that is at `at`, about its origin, world axes.
     Vector6 wrench(int frame, FrameView at, const double* values) const;
-    /// The part of its moment that keeps its direction, whatever turns: the moments given at nodes.
-    Vector3 steady_moment(int frame, const double* values) const;
     /// The symmetric part of −∂(wrench)/∂(pose), the wrench about a point `origin` that goes with the frame: what the loads
     /// do as their lever arms turn with it, or they themselves.
     Matrix6 stiffness(int frame, FrameView at, const Vector3& origin, const double* values) const;
+    /// What that leaves out, and what the symmetric part of the stiffness of all that balances the loads does. By turns
+    /// R ← exp([θ]×) R the second derivative of an energy has −½ [g]× beside a symmetric part, g its gradient, here the
+    /// moment M of the loads, and [M]× v = M × v: exp([a]×) exp([θ]×) = exp([a + θ + ½ a × θ + …]×). Where the loads have a
+    /// potential the two cancel out. Left over is
+    ///     of a moment that keeps its direction:      −½ [M]× by turns;
+    ///     of a force F and moment that turn along:   ½ [F]× of forces by turns and of moments by shifts, ½ [M]×.
+    /// Without them each iteration multiplies motions across a moment at the end of a bar of length L by about
+    /// M L/(2 √(EI GJ)): they grow from rounding.
+    Matrix6 unsymmetric_stiffness(int frame, FrameView at, const double* values) const;
     /// Adds the wrenches on all frames, in the order of Assembly::frames.
     void add_wrenches(std::span<const Frame> frames, const double* values, std::span<Vector6> wrenches) const;
 

@@ -10,9 +10,9 @@
 #include "solve/elimination.h"
 #include "statics/at_rest.h"
 #include "statics/hanging_frames.h"
+#include "statics/loads_without_potential.h"
 #include "statics/network_size.h"
 #include "statics/resting_joint.h"
-#include "statics/steady_moments.h"
 
 namespace dttmm::plugin {
 
@@ -89,7 +89,7 @@ private:
     void place_joints();
     void predict_forces(double share);
     void move_frames(Ports ports, double share);
-    void solve() { steady_moments_.solve(matrix_, correction_.u, correction_.q); }
+    void solve() { unsymmetric_.solve(matrix_, correction_.u, correction_.q); }
     void add_joint(size_t joint);
     Matrix6 resistance_of(int frame) const;
     void find_residuals();
@@ -114,7 +114,7 @@ private:
     };
     Place now_, base_, kept_;  ///< base_: where the equations were formed; kept_: where to go back to
     Elimination matrix_;
-    SteadyMoments steady_moments_;
+    LoadsWithoutPotential unsymmetric_;
     HangingFrames hanging_;
     /// A joint where its frames are now.
     struct Resting {

@@ -142,6 +142,47 @@ moment = {}
     }
 }
 
+/// The end of a clamped bar (L = 1, EI = 1) under a force q per length that stays across it, in the axes of its root: in its
+/// own axes N' = V κ, V' = −N κ − q, M' = −V, κ = M, all zero at the free end. Fourth order, 4000 steps.
+Eigen::Vector2d end_under_a_force_across(double q) {
+    using State = Eigen::Matrix<double, 6, 1>;  // N, V, M, angle, place, from the free end
+    const auto rate = [q](const State& y) {
+        State r;
+        r << y(1) * y(2), -y(0) * y(2) - q, -y(1), y(2), std::cos(y(3)), std::sin(y(3));
+        return r;
+    };
+    constexpr int kSteps = 4000;
+    constexpr double h = -1.0 / kSteps;
+    State y = State::Zero();
+    for (int i = 0; i < kSteps; ++i) {
+        const State a = rate(y), b = rate(y + 0.5 * h * a), c = rate(y + 0.5 * h * b), d = rate(y + h * c);
+        y += h / 6 * (a + 2 * b + 2 * c + d);
+    }
+    return Eigen::Rotation2Dd(-y(3)) * Eigen::Vector2d(-y(4), -y(5));
+}
+
+// With the symmetric part of the derivative alone the strong ones are not found.
+TEST(Statics, AForceThatTurnsWithABarRollsItUp) {
+    for (const double q : {10, 50, 150}) {
+        double before = 0;
+        for (const int segments : {20, 40, 80}) {
+            std::string model = bar(segments, 0, 0);
+            model.erase(model.find("[[load]]"));
+            AtRest rest = rest_of(model + fmt::format("[[load]]\nelement = \"bar\"\naxes = \"element\"\ndirection = [0, 0, "
+                                                      "1]\nforce_per_length = {}\n",
+                                                      q));
+            const Eigen::Vector2d end(rest.row["tip.position.x"], rest.row["tip.position.z"]);
+            const double error = (end - end_under_a_force_across(q)).norm();
+            EXPECT_LE(rest.summary["iterations"].get<int>(), 50) << q << " " << segments;
+            EXPECT_LT(error, 0.05 * q / (segments * segments)) << q << " " << segments;
+            if (before > 0 && q < 100) {
+                EXPECT_GT(before / error, 3.5) << q << " " << segments;
+            }
+            before = error;
+        }
+    }
+}
+
 // Oracle: balance by hand. A force into a support, alone or as a part of an oblique one, is in the reaction there, in a run
 // too.
 TEST(Statics, AForceIntoASupportIsInItsReaction) {

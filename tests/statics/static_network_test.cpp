@@ -97,7 +97,7 @@ private:
 };
 
 // Oracle: central differences of the wrench on the body. What balances the wrench w = [F; M] there has beside it the part
-// ½ [M]× by the turn of the body, which SteadyMoments derives.
+// ½ [M]× by the turn of the body, which Loading derives.
 TEST(StaticNetwork, AMomentThatKeepsItsDirectionHasNoPotential) {
     LoadedBar bar;
     Matrix6 differences;

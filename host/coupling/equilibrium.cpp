@@ -35,6 +35,9 @@ constexpr double kSmooth = 0.4;
 constexpr double kJump = 1e-6;
 /// Iterations for one load step. The elastica takes some 20 in one step, a chain of 2000 links that starts as a zigzag 13.
 constexpr int kMostIterations = 1000;
+/// Iterations with the symmetric part of the derivative of loads without a potential. A machine of three bodies with stops
+/// takes 56.
+constexpr int kMostDescending = 60;
 /// Of the extent of the machine: what has to be moved farther in one iteration is held by nothing.
 constexpr double kLostExtents = 1e6;
 /// Of the extent of the machine: smaller corrections are rounding.
@@ -77,7 +80,8 @@ Equilibrium::Equilibrium(const Model& model, Networks& networks, Loads& loads)
 // ---- The load in steps --------------------------------------------------------------------------------------------------
 
 const RestState& Equilibrium::find(double t0) {
-    search(t0);
+    const bool has_descended = descend(t0);
+    if (!has_descended) search(t0);
     if (!is_smooth_) {
         const RestState found = state_;
         const RestEquations::Balance balance = equations_.balance();
@@ -87,10 +91,12 @@ const RestState& Equilibrium::find(double t0) {
         const bool is_same = share == 1 && is_near(equations_.balance().force, balance.force) &&
                              is_near(equations_.balance().bend, balance.bend);
         if (is_same) state_.iterations = found.iterations, state_.load_steps = found.load_steps;
-        if (share < 1) {
-            begin(t0);
-            raise_load(t0, Steps::any);
-            if (share > 0) state_.path_ends_at = share;
+        if (share < 1 || (has_descended && !is_same)) {
+            if (!has_descended || !descend(t0)) {
+                begin(t0);
+                raise_load(t0, Steps::any);
+            }
+            if (share > 0 && share < 1) state_.path_ends_at = share;
         }
     }
     const RestEquations::Balance& balance = equations_.balance();
@@ -138,6 +144,36 @@ void Equilibrium::search(double t0) {
     if (most_bend_ != best) look(best);
 }
 
+/// Under moments that keep their direction, and other loads on bodies without a potential, no work says which way is
+/// downhill, and the whole derivative leads to equilibria that do not last. Where these loads are small beside the rest, the
+/// symmetric part of it leads to one that does; where they are large to none. Whether it has.
+bool Equilibrium::descend(double t0) {
+    if (!equations_.has_unsymmetric_loads() || asked_turn(model_, t0) > kMostAskedTurn) return false;
+    most_bend_ = std::numeric_limits<double>::infinity();
+    steps_ = Steps::any;
+    begin(t0);
+    equations_.take_symmetric(true);
+    bool lasts = false;
+    try {
+        const Attempt attempt = iterate(1, kMostDescending);
+        lasts = attempt.is_converged && bend() <= kMayBeKink && equations_.is_stable();
+        if (lasts) accept(attempt);
+    } catch (const Error& error) {  // of a spring that has turned too far
+        if (error.code() != ExitCode::numerical_failure) throw;
+        lasts = false;
+    }
+    equations_.take_symmetric(false);
+    return lasts;
+}
+
+/// Takes where the iteration has ended.
+void Equilibrium::accept(const Attempt& attempt) {
+    ++state_.load_steps;
+    equations_.keep();
+    const bool is_open = attempt.open.size > kClosed * (attempt.open.is_length ? equations_.size().extent : 1);
+    state_.open = is_open ? describe(attempt.open) : "";
+}
+
 /// Back to the assembled machine.
 void Equilibrium::begin(double t0) {
     state_ = {};
@@ -166,14 +202,11 @@ double Equilibrium::raise_load(double t0, Steps steps) {
     RestingJoints::Opening widest;
     while (done < 1) {
         const double factor = std::min(1.0, done + step);
-        const Attempt attempt = iterate(factor);
+        const Attempt attempt = iterate(factor, kMostIterations);
         if (attempt.is_converged) {
             done = factor;
-            ++state_.load_steps;
             step = std::min(2 * step, largest_step);
-            equations_.keep();
-            const bool is_open = attempt.open.size > kClosed * (attempt.open.is_length ? equations_.size().extent : 1);
-            state_.open = is_open ? describe(attempt.open) : "";
+            accept(attempt);
             continue;
         }
         if (attempt.open.share > widest.share) widest = attempt.open;
@@ -214,7 +247,7 @@ bool Equilibrium::pass_kink(double done, double step) {
     bool passes = true;
     for (const double share : {1.0, kOfKink}) {
         equations_.recall();
-        const Attempt attempt = iterate(done + share * step);
+        const Attempt attempt = iterate(done + share * step, kMostIterations);
         passes = passes && attempt.is_converged && equations_.is_stable();
         if (share < 1) passes = passes && attempt.way <= 2 * kOfKink * longer;
         longer = attempt.way;
@@ -231,7 +264,7 @@ std::string Equilibrium::describe(const RestingJoints::Opening& open) const {
 }
 
 /// Newton's iteration at one share of the load.
-Equilibrium::Attempt Equilibrium::iterate(double factor) {
+Equilibrium::Attempt Equilibrium::iterate(double factor, int most_iterations) {
     equations_.set_load(factor);
     equations_.share_anew(true);
     const MachineSize& size = equations_.size();
@@ -240,7 +273,7 @@ Equilibrium::Attempt Equilibrium::iterate(double factor) {
     Attempt attempt;
     constexpr double kAny = std::numeric_limits<double>::infinity();
     double last = kAny;
-    for (int i = 0; i < kMostIterations; ++i) {
+    for (int i = 0; i < most_iterations; ++i) {
         StopRequest::throw_if_made("before the equilibrium was found");
         ++state_.iterations;
         try {

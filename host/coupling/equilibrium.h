@@ -66,12 +66,14 @@ private:
     };
     enum class Steps { any, smooth };  ///< smooth: to the equilibrium that the growing load leads to, not to another one
     void search(double t0);
+    bool descend(double t0);
+    void accept(const Attempt& attempt);
     double follow(double t0);
     void begin(double t0);
     double raise_load(double t0, Steps steps);
     bool pass_kink(double done, double step);
     std::string describe(const RestingJoints::Opening& open) const;
-    Attempt iterate(double factor);
+    Attempt iterate(double factor, int most_iterations);
     RestEquations::Correction correct();
     double bend() const { return equations_.balance().bend; }
 

@@ -28,6 +28,16 @@ Eigen::Vector3d followed(const Eigen::Matrix3d& R, const Eigen::Vector3d& from) 
     return (angle + 2 * M_PI * std::round((axis.dot(from) - angle) / (2 * M_PI))) * axis;
 }
 
+/// Half of every entry goes to the other side.
+void make_symmetric(std::vector<Eigen::Triplet<double>>& entries) {
+    const size_t count = entries.size();
+    for (size_t i = 0; i < count; ++i) {
+        const Eigen::Triplet<double> entry = entries[i];
+        entries[i] = {entry.row(), entry.col(), 0.5 * entry.value()};
+        entries.emplace_back(entry.col(), entry.row(), 0.5 * entry.value());
+    }
+}
+
 }  // namespace
 
 RestEquations::RestEquations(const Model& model, Networks& networks, Loads& loads)
@@ -84,6 +94,11 @@ bool RestEquations::is_loaded() const {
     const auto acts = [](double number) { return number != 0; };
     return !model_.simulation.gravity.isZero(0) || std::ranges::any_of(loads, acts) ||
            std::ranges::any_of(on_networks, acts);
+}
+
+bool RestEquations::has_unsymmetric_loads() const {
+    return std::ranges::any_of(model_.loads,
+                               [](const Load& load) { return load.on.body >= 0 && (load.is_moment || load.turns); });
 }
 
 double RestEquations::heaviest() const {
@@ -144,13 +159,13 @@ void RestEquations::solve(double resistance) {
     form(resistance);
     if (joints_.rows() == 0) return;
     if (!has_same_pattern()) {
-        lu_.analyzePattern(matrix_);
-        pattern_ = matrix_;
+        factor_of_matrix_.lu.analyzePattern(matrix_);
+        factor_of_matrix_.pattern = matrix_;
     }
-    lu_.factorize(matrix_);
-    if (lu_.info() != Eigen::Success)
+    factor_of_matrix_.lu.factorize(matrix_);
+    if (factor_of_matrix_.lu.info() != Eigen::Success)
         throw Error(ExitCode::numerical_failure, "the equations of the equilibrium are singular");
-    solution_ = lu_.solve(right_hand_side_);
+    solution_ = factor_of_matrix_.lu.solve(right_hand_side_);
     for (size_t i = 0; i < change_.size(); ++i) change_[i] = solution_(as_row(i));
 }
 
@@ -159,9 +174,10 @@ bool RestEquations::has_same_pattern() const {
     const auto same = [&](const int* one, const int* other, Eigen::Index count) {
         return std::equal(one, one + count, other);
     };
-    return matrix_.rows() == pattern_.rows() && matrix_.nonZeros() == pattern_.nonZeros() &&
-           same(matrix_.outerIndexPtr(), pattern_.outerIndexPtr(), matrix_.outerSize() + 1) &&
-           same(matrix_.innerIndexPtr(), pattern_.innerIndexPtr(), matrix_.nonZeros());
+    return matrix_.rows() == factor_of_matrix_.pattern.rows() &&
+           matrix_.nonZeros() == factor_of_matrix_.pattern.nonZeros() &&
+           same(matrix_.outerIndexPtr(), factor_of_matrix_.pattern.outerIndexPtr(), matrix_.outerSize() + 1) &&
+           same(matrix_.innerIndexPtr(), factor_of_matrix_.pattern.innerIndexPtr(), matrix_.nonZeros());
 }
 
 void RestEquations::form(double resistance) {
@@ -179,6 +195,7 @@ void RestEquations::form(double resistance) {
     for (size_t i = 0; i < loads.size(); ++i) wrenches_[i] += loads[i];
     add_load_stiffness(factor_, entries);
     add_turning_about(loads, entries);
+    if (is_symmetric_) make_symmetric(entries);
     for (size_t b = 0; b < size_.inertias.size(); ++b) {
         const BlockMatrix::Block M = size_.inertias[b].block(now_.at[b].rotation);
         for (int i = 0; i < 6; ++i)
@@ -259,9 +276,9 @@ std::vector<double> RestEquations::load_stiffness() const {
     Triplets entries;
     add_load_stiffness(1, entries);
     std::vector<double> all(36 * model_.bodies.size(), 0.0);
+    make_symmetric(entries);
     for (const auto& entry : entries)
-        for (const auto& [row, column] : {std::pair(entry.row(), entry.col()), std::pair(entry.col(), entry.row())})
-            all[36 * as_size(row / 6) + 6 * as_size(row % 6) + as_size(column % 6)] += 0.5 * entry.value();
+        all[36 * as_size(entry.row() / 6) + 6 * as_size(entry.row() % 6) + as_size(entry.col() % 6)] += entry.value();
     return all;
 }
 

@@ -33,6 +33,10 @@ public:
     /// Whether redundant joints share their forces anew at each correction, or change them by the least.
     void share_anew(bool anew) { shares_anew_ = anew && !joints_.equations().empty(); }
     bool shares_anew() const { return shares_anew_; }
+    /// Whether a body has a load without a potential: a moment, or what turns with it.
+    bool has_unsymmetric_loads() const;
+    /// Takes the symmetric part alone of the derivative of loads on bodies: corrections then go downhill.
+    void take_symmetric(bool symmetric) { is_symmetric_ = symmetric; }
 
     struct Correction {
         double work = 0;            ///< of what lacks along it [J]: negative uphill
@@ -102,6 +106,7 @@ private:
     MachineSize size_;
     double factor_ = 0;        ///< λ
     bool shares_anew_ = true;  ///< redundant joints, among each other
+    bool is_symmetric_ = false;
 
     struct Place {
         std::vector<BodyState> at;
@@ -111,8 +116,12 @@ private:
     Balance balance_;
     std::vector<double> wrenches_, change_;  ///< 6 per body
     Eigen::VectorXd right_hand_side_, solution_;
-    Eigen::SparseMatrix<double> matrix_, pattern_;  ///< pattern_: last analysed
-    Eigen::SparseLU<Eigen::SparseMatrix<double>> lu_;
+    Eigen::SparseMatrix<double> matrix_;
+    struct Factor {
+        Eigen::SparseMatrix<double> pattern;  ///< last analysed
+        Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
+    };
+    Factor factor_of_matrix_;
     double stiffest_ = 0, least_resistance_ = 0;
 };
 

@@ -142,6 +142,59 @@ moment = {}
     }
 }
 
+// Oracle: the balance of a pendulum of two bodies by the angles a of its hinge to the ground, about y, and b of the next,
+// about its x: M_y = sin a (m₁ g l₁ cos b + m₀ g l₀), M_x cos a − M_z sin a = m₁ g l₁ sin b cos a. It hangs, for the moment
+// is small: with the whole derivative alone it is found level, on its way up.
+TEST(Statics, APendulumUnderAMomentHangs) {
+    const auto list = [](const Eigen::Vector3d& v) {
+        return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v.x(), v.y(), v.z());
+    };
+    const std::tuple<double, double, Eigen::Vector3d> cases[] = {
+        {1.7, 1.3, {1, 1, 1}}, {1.7, 1.3, {1, 0, 1}}, {2.9, 0.8, {1, 1, 1}}};
+    for (const auto& [a0, b0, direction] : cases) {
+        const Eigen::Matrix3d inner = Eigen::AngleAxisd(a0, Eigen::Vector3d::UnitY()).toRotationMatrix(),
+                              outer = inner * Eigen::AngleAxisd(b0, Eigen::Vector3d::UnitX());
+        const AtRest rest =
+            rest_of(fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[[body]]
+name = "inner"
+mass = 0.3
+inertia = [0.01, 0.01, 0.01]
+position = {}
+[[body]]
+name = "outer"
+mass = 0.7
+inertia = [0.01, 0.01, 0.01]
+position = {}
+[[joint]]
+name = "first"
+type = "hinge"
+between = ["inner", "ground"]
+anchor = [0, 0, 0]
+axis = [0, 1, 0]
+[[joint]]
+name = "second"
+type = "hinge"
+between = ["outer", "inner"]
+anchor = [0, 0, 0]
+axis = {}
+[[load]]
+on = "outer"
+direction = {}
+moment = 0.3
+)",
+                                list(inner * Eigen::Vector3d(0, 0, -0.05)), list(outer * Eigen::Vector3d(0, 0, -0.2)),
+                                list(inner * Eigen::Vector3d::UnitX()), list(direction)));
+        const double a = a0 - rest.row.at("first.angle"), b = b0 - rest.row.at("second.angle");
+        const Eigen::Vector3d M = 0.3 * direction.normalized();
+        EXPECT_NEAR(M.y(), std::sin(a) * 9.81 * (0.7 * 0.2 * std::cos(b) + 0.3 * 0.05), 1e-8);
+        EXPECT_NEAR(M.x() * std::cos(a) - M.z() * std::sin(a), 0.7 * 9.81 * 0.2 * std::sin(b) * std::cos(a), 1e-8);
+        EXPECT_LT(rest.row.at("outer.position.z"), -0.15);
+    }
+}
+
 /// The end of a clamped bar (L = 1, EI = 1) under a force q per length that stays across it, in the axes of its root: in its
 /// own axes N' = V κ, V' = −N κ − q, M' = −V, κ = M, all zero at the free end. Fourth order, 4000 steps.
 Eigen::Vector2d end_under_a_force_across(double q) {

@@ -137,7 +137,8 @@ TEST(Loading, OfANodeHasItsLever) {
     EXPECT_FALSE(loading.is_on(0)) << "a body";
 }
 
-// Oracle: central differences of the wrench about a point that goes with the frame as it turns about that.
+// Oracle: central differences of the wrench about a point that goes with the frame as it turns about that. The unsymmetric
+// part, about the frame's origin, is that of the differences less ½ [M]×, which what balances the moment M makes up for.
 TEST(Loading, StiffnessIsTheDerivativeOfTheWrench) {
     const NetworkModel model = make_loaded();
     const dttmm_network network = model.description();
@@ -147,25 +148,34 @@ TEST(Loading, StiffnessIsTheDerivativeOfTheWrench) {
                                             (Vector6() << 100, -230, 70, 400, 150, -310).finished(),
                                             (Vector6() << -50, 20, 170, 90, -250, 110).finished());
     const std::vector<Frame> frames = moved_frames(assembly, 0.8);
-    const Vector3 aside(0.2, -0.1, 0.3);
     constexpr double kTurn = 1e-4;
     int loaded = 0;
     for (size_t f = 0; f < frames.size(); ++f) {
         if (!loading.is_on(as_int(f))) continue;
         ++loaded;
         const FrameView at = frames[f];
-        const Vector3 origin = at.origin() + aside;
-        Matrix6 slope = Matrix6::Zero();
-        for (int c = 0; c < 3; ++c)
-            for (const double sign : {1.0, -1.0}) {
-                const Matrix3 turn = rotation_from_vector(Vector3(sign * kTurn * Vector3::Unit(c)));
-                const Frame turned = make_frame({origin - turn * aside, turn * at.axes()});
-                Vector6 wrench = loading.wrench(as_int(f), turned, load.data());
-                wrench.tail<3>() -= (turn * aside).cross(Vector3(wrench.head<3>()));
-                slope.col(3 + c) -= sign / (2 * kTurn) * wrench;
-            }
-        const Matrix6 expected = 0.5 * (slope + slope.transpose());
-        EXPECT_LE((loading.stiffness(as_int(f), at, origin, load.data()) - expected).norm(), 1e-7 * expected.norm()) << f;
+        const auto slope_about = [&](const Vector3& aside) {
+            const Vector3 origin = at.origin() + aside;
+            Matrix6 slope = Matrix6::Zero();
+            for (int c = 0; c < 3; ++c)
+                for (const double sign : {1.0, -1.0}) {
+                    const Matrix3 turn = rotation_from_vector(Vector3(sign * kTurn * Vector3::Unit(c)));
+                    const Frame turned = make_frame({origin - turn * aside, turn * at.axes()});
+                    Vector6 wrench = loading.wrench(as_int(f), turned, load.data());
+                    wrench.tail<3>() -= (turn * aside).cross(Vector3(wrench.head<3>()));
+                    slope.col(3 + c) -= sign / (2 * kTurn) * wrench;
+                }
+            return slope;
+        };
+        const Vector3 aside(0.2, -0.1, 0.3);
+        const Matrix6 slope = slope_about(aside), expected = 0.5 * (slope + slope.transpose());
+        EXPECT_LE((loading.stiffness(as_int(f), at, at.origin() + aside, load.data()) - expected).norm(),
+                  1e-7 * expected.norm())
+            << f;
+        const Matrix6 own = slope_about(Vector3::Zero());
+        Matrix6 unsymmetric = 0.5 * (own - own.transpose());
+        unsymmetric.bottomRightCorner<3, 3>() -= 0.5 * skew(loading.wrench(as_int(f), at, load.data()).tail<3>());
+        EXPECT_LE((loading.unsymmetric_stiffness(as_int(f), at, load.data()) - unsymmetric).norm(), 1e-7 * own.norm()) << f;
     }
     EXPECT_EQ(loaded, kSegments + 2) << "two nodes";
 }

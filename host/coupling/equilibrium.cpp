@@ -35,8 +35,8 @@ constexpr double kSmooth = 0.4;
 constexpr double kJump = 1e-6;
 /// Iterations for one load step. The elastica takes some 20 in one step, a chain of 2000 links that starts as a zigzag 13.
 constexpr int kMostIterations = 1000;
-/// Iterations with the symmetric part of the derivative of loads without a potential. A machine of three bodies with stops
-/// takes 56.
+/// Iterations with the symmetric part of the derivative of loads without a potential. Of 129 machines under moments that it
+/// finds in one load step half take 18 or less, 28 more than 30, five 62 to 74. Where it finds nothing they are in vain.
 constexpr int kMostDescending = 60;
 /// Of the extent of the machine: what has to be moved farther in one iteration is held by nothing.
 constexpr double kLostExtents = 1e6;

@@ -159,13 +159,13 @@ void RestEquations::solve(double resistance) {
     form(resistance);
     if (joints_.rows() == 0) return;
     if (!has_same_pattern()) {
-        factor_of_matrix_.lu.analyzePattern(matrix_);
-        factor_of_matrix_.pattern = matrix_;
+        solver_.lu.analyzePattern(matrix_);
+        solver_.pattern = matrix_;
     }
-    factor_of_matrix_.lu.factorize(matrix_);
-    if (factor_of_matrix_.lu.info() != Eigen::Success)
+    solver_.lu.factorize(matrix_);
+    if (solver_.lu.info() != Eigen::Success)
         throw Error(ExitCode::numerical_failure, "the equations of the equilibrium are singular");
-    solution_ = factor_of_matrix_.lu.solve(right_hand_side_);
+    solution_ = solver_.lu.solve(right_hand_side_);
     for (size_t i = 0; i < change_.size(); ++i) change_[i] = solution_(as_row(i));
 }
 
@@ -174,10 +174,9 @@ bool RestEquations::has_same_pattern() const {
     const auto same = [&](const int* one, const int* other, Eigen::Index count) {
         return std::equal(one, one + count, other);
     };
-    return matrix_.rows() == factor_of_matrix_.pattern.rows() &&
-           matrix_.nonZeros() == factor_of_matrix_.pattern.nonZeros() &&
-           same(matrix_.outerIndexPtr(), factor_of_matrix_.pattern.outerIndexPtr(), matrix_.outerSize() + 1) &&
-           same(matrix_.innerIndexPtr(), factor_of_matrix_.pattern.innerIndexPtr(), matrix_.nonZeros());
+    return matrix_.rows() == solver_.pattern.rows() && matrix_.nonZeros() == solver_.pattern.nonZeros() &&
+           same(matrix_.outerIndexPtr(), solver_.pattern.outerIndexPtr(), matrix_.outerSize() + 1) &&
+           same(matrix_.innerIndexPtr(), solver_.pattern.innerIndexPtr(), matrix_.nonZeros());
 }
 
 void RestEquations::form(double resistance) {

@@ -117,11 +117,11 @@ private:
     std::vector<double> wrenches_, change_;  ///< 6 per body
     Eigen::VectorXd right_hand_side_, solution_;
     Eigen::SparseMatrix<double> matrix_;
-    struct Factor {
+    struct Solver {
         Eigen::SparseMatrix<double> pattern;  ///< last analysed
         Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
     };
-    Factor factor_of_matrix_;
+    Solver solver_;
     double stiffest_ = 0, least_resistance_ = 0;
 };
 

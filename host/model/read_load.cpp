@@ -158,9 +158,11 @@ std::optional<Load> read_point_load(const TableReader& table, const TomlMember& 
     }
     const bool is_moment = is_moment_by(*magnitude);
     if (on && attachments.is_clamped(*on))
-        table.error(member.value.place,
-                    fmt::format("node {} is fixed in all directions: a load there moves nothing, and no reaction has it",
-                                quote(member.value.string)));
+        table.error(
+            member.value.place,
+            fmt::format("node {} is fixed in all directions: a load there moves nothing, and no reaction has it; leave "
+                        "it out, or a direction of `fixed`",
+                        quote(member.value.string)));
     else if (on && direction && attachments.is_held(*on, *direction, is_moment))
         table.warning(member.value.place, "load-on-support",
                       fmt::format("node {} is fixed in the direction of the {}, which moves nothing: its reaction alone has "

@@ -196,22 +196,15 @@ moment = 0.3
 }
 
 /// The end of a clamped bar (L = 1, EI = 1) under a force q per length that stays across it, in the axes of its root: in its
-/// own axes N' = V κ, V' = −N κ − q, M' = −V, κ = M, all zero at the free end. Fourth order, 4000 steps.
+/// own axes N' = V κ, V' = −N κ − q, M' = −V, κ = M, all zero at the free end, from where it is integrated.
 Eigen::Vector2d end_under_a_force_across(double q) {
-    using State = Eigen::Matrix<double, 6, 1>;  // N, V, M, angle, place, from the free end
-    const auto rate = [q](const State& y) {
-        State r;
-        r << y(1) * y(2), -y(0) * y(2) - q, -y(1), y(2), std::cos(y(3)), std::sin(y(3));
-        return r;
+    const auto rate = [q](double, const Eigen::VectorXd& y) -> Eigen::VectorXd {  // y: N, V, M, angle, place
+        Eigen::VectorXd along(6);
+        along << y(1) * y(2), -y(0) * y(2) - q, -y(1), y(2), std::cos(y(3)), std::sin(y(3));
+        return -along;
     };
-    constexpr int kSteps = 4000;
-    constexpr double h = -1.0 / kSteps;
-    State y = State::Zero();
-    for (int i = 0; i < kSteps; ++i) {
-        const State a = rate(y), b = rate(y + 0.5 * h * a), c = rate(y + 0.5 * h * b), d = rate(y + h * c);
-        y += h / 6 * (a + 2 * b + 2 * c + d);
-    }
-    return Eigen::Rotation2Dd(-y(3)) * Eigen::Vector2d(-y(4), -y(5));
+    const Eigen::VectorXd root = test::integrate(rate, Eigen::VectorXd::Zero(6), 1);
+    return Eigen::Rotation2Dd(-root(3)) * Eigen::Vector2d(-root(4), -root(5));
 }
 
 // With the symmetric part of the derivative alone the strong ones are not found.

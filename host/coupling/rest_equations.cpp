@@ -17,6 +17,8 @@ namespace {
 
 /// s by the largest stiffness over mass: what vibrates 10⁶ times slower than the fastest counts as not held.
 constexpr double kLeastResistance = 1e-12;
+/// Where nothing is stiff [1/s²].
+constexpr double kSlowest = 1e-10;
 
 /// The rotation vector of R with as many full turns as bring it nearest to another.
 Eigen::Vector3d followed(const Eigen::Matrix3d& R, const Eigen::Vector3d& from) {
@@ -57,7 +59,8 @@ RestEquations::RestEquations(const Model& model, Networks& networks, Loads& load
 void RestEquations::begin(double t0) {
     now_ = kept_ = start_;
     balance_ = {};
-    stiffest_ = least_resistance_ = 0;
+    stiffest_ = 0;
+    least_resistance_ = kSlowest;
     loads_.start(t0);
     joints_.start(t0);
     networks_.begin_statics();
@@ -223,7 +226,7 @@ void RestEquations::set_least_resistance(const Eigen::VectorXd& held) {
                               held.segment<3>(6 * as_row(b) + 3).maxCoeff() / inertia, load.head<3>().norm() / (mass * arm),
                               load.tail<3>().norm() / inertia});
     }
-    least_resistance_ = std::max(kLeastResistance * stiffest_, 1e-10);
+    least_resistance_ = std::max(kLeastResistance * stiffest_, kSlowest);
 }
 
 std::vector<double> RestEquations::loads_on(const std::vector<BodyState>& at, double factor) const {

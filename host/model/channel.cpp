@@ -9,6 +9,7 @@
 #include <functional>
 #include <initializer_list>
 #include <limits>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -160,20 +161,24 @@ const std::string& Channel::quantity() const { return quantities()[quantity_]; }
 const std::string& Channel::axis() const { return forms()[form_].axis; }
 const std::string& Channel::unit() const { return forms()[form_].unit; }
 
-bool Channel::have_duplicates(std::vector<Channel> channels) {
-    const auto texts = [](const Channel& c) { return std::pair<uint64_t, uint64_t>(c.owner_, c.quantity_); };
-    const auto rest = [](const Channel& c) {
-        const Form& form = forms()[c.form_];
-        return std::pair<Of, const std::string&>(form.of, form.axis);
+bool Channel::have_duplicates(std::span<const Channel> channels) {
+    // Forms of one kind differ in unit and default only
+    std::map<std::pair<Of, std::string_view>, uint64_t> kinds;
+    std::map<uint32_t, uint64_t> kind_of_form;
+    const auto kind_of = [&](uint32_t number) {
+        const auto [known, is_new] = kind_of_form.emplace(number, 0);
+        const Form& form = forms()[number];
+        if (is_new) known->second = kinds.emplace(std::pair(form.of, std::string_view(form.axis)), kinds.size()).first->second;
+        return known->second;
     };
-    std::ranges::sort(channels, {}, texts);
-    for (auto first = channels.begin(); first != channels.end();) {
-        const auto end = std::find_if(first, channels.end(), [&](const Channel& c) { return texts(c) != texts(*first); });
-        std::ranges::sort(first, end, {}, rest);
-        if (std::ranges::adjacent_find(first, end, {}, rest) != end) return true;
-        first = end;
+    std::vector<uint64_t> numbers;
+    numbers.reserve(channels.size());
+    for (const Channel& c : channels) {
+        const uint64_t owner = c.owner_, quantity = c.quantity_;
+        numbers.push_back(owner << (kTextBits + kFormBits) | quantity << kFormBits | kind_of(c.form_));
     }
-    return false;
+    std::ranges::sort(numbers);
+    return std::ranges::adjacent_find(numbers) != numbers.end();
 }
 
 std::string Channel::without_axis() const { return with_dots({owner(), quantity()}); }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,7 +39,7 @@ public:
     /// Owner and quantity: what its axes have in common.
     std::string without_axis() const;
     /// Whether two channels have the same kind of owner, owner, quantity and axis.
-    static bool have_duplicates(std::vector<Channel> channels);
+    static bool have_duplicates(std::span<const Channel> channels);
 
 private:
     static constexpr int kTextBits = 24, kFormBits = 16;

@@ -257,6 +257,49 @@ TEST(PreloadedModes, PendulumsOnSprings) {
     }
 }
 
+// Oracle: M a = -K x of two physical pendulums in a row, about where they hang: M = [I + m1 c^2 + m2 L^2, m2 L c; ., I + m2
+// c^2], K = diag(m1 g c + m2 g L, m2 g c). Nothing is elastic: no equilibrium was found, and no mode.
+TEST(PreloadedModes, RigidPartsInsideANetworkSwing) {
+    constexpr double kLength = 0.7, kToCentre = 0.31, kOwn = 0.03, kMass[] = {1.9, 0.6}, kGravity = 9.81;
+    Eigen::Matrix2d M, K;
+    M << kOwn + kMass[0] * kToCentre * kToCentre + kMass[1] * kLength * kLength, kMass[1] * kLength * kToCentre,
+        kMass[1] * kLength * kToCentre, kOwn + kMass[1] * kToCentre * kToCentre;
+    K << kGravity * (kMass[0] * kToCentre + kMass[1] * kLength), 0, 0, kGravity * kMass[1] * kToCentre;
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> swings(K, M);
+    std::string model = R"toml(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[nodes]
+root = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+)toml";
+    std::string elements;
+    double x = 0, z = 0;
+    const double angles[] = {0.9, -0.4};
+    for (int i : {0, 1}) {
+        const double s = std::sin(angles[i]), c = std::cos(angles[i]);
+        model += fmt::format("a{0} = [{1}, 0, {2}]\nb{0} = [{3}, 0, {4}]\n", i, x, z, x + kLength * s, z - kLength * c);
+        elements += fmt::format(R"toml([[element]]
+name = "hinge{0}"
+type = "elastic_hinge"
+from = "{1}"
+to = "a{0}"
+stiffness = {{ ry = "free" }}
+[[element]]
+name = "part{0}"
+type = "rigid_body"
+at = ["a{0}", "b{0}"]
+mass = {2}
+center_of_mass = [{3}, 0, {4}]
+inertia = {{ xx = 0.01, yy = {5}, zz = 0.02 }}
+)toml",
+                                i, i == 0 ? "root" : "b0", kMass[i], kToCentre * s, -kToCentre * c, kOwn);
+        x += kLength * s;
+        z -= kLength * c;
+    }
+    const Eigen::Vector2d exact = swings.eigenvalues().cwiseSqrt() / (2 * M_PI);
+    expect_frequencies(frequencies_of(modes_of(model + elements, {"--count", "2"})), {exact(0), exact(1)}, 1e-8);
+}
+
 // Oracle: the column of P5 between pins, ω = (π/L)² √(EI/µ) √(1 − s P L²/π²EI)/s, s = 1 − P/EA, pressed and pulled: the
 // length at rest is s L; mass and stiffness of the section are those per length at the start.
 TEST(PreloadedModes, ColumnsAndTies) {

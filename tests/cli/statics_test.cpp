@@ -195,6 +195,54 @@ moment = 0.3
     }
 }
 
+/// A chain of rigid parts inside a network, part i of mass 1 + 0.3 i and length 0.7, hinged to each other about y with
+/// nothing elastic, part i at an angle from the vertical.
+std::string rigid_chain(const std::vector<double>& angles) {
+    constexpr double kLength = 0.7;
+    std::string nodes = R"(root = { position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] })", elements;
+    Eigen::Vector3d end(0, 0, 0);
+    const auto list = [](const Eigen::Vector3d& v) { return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z()); };
+    for (size_t i = 0; i < angles.size(); ++i) {
+        const Eigen::Vector3d along = kLength * Eigen::Vector3d(std::sin(angles[i]), 0, -std::cos(angles[i]));
+        nodes += fmt::format("\na{0} = {1}\nb{0} = {2}", i, list(end), list(end + along));
+        elements +=
+            fmt::format(R"(
+[[element]]
+name = "hinge{0}"
+type = "elastic_hinge"
+from = "{1}"
+to = "a{0}"
+stiffness = {{ ry = "free" }}
+[[element]]
+name = "part{0}"
+type = "rigid_body"
+at = ["a{0}", "b{0}"]
+mass = {2}
+center_of_mass = {3}
+inertia = {{ xx = 0.01, yy = 0.03, zz = 0.02 }}
+)",
+                        i, i == 0 ? "root" : fmt::format("b{}", i - 1), 1 + 0.3 * static_cast<double>(i), list(0.5 * along));
+        end += along;
+    }
+    return fmt::format("format = \"dttmm/1\"\n[simulation]\ngravity = [0, 0, -9.81]\n[nodes]\n{}\n{}", nodes, elements);
+}
+
+// Oracle: it hangs straight down, and each hinge carries what is below it. Nothing was found, for without bodies nothing
+// resisted the first correction.
+TEST(Statics, AChainOfRigidPartsInsideANetworkHangs) {
+    const std::vector<double> chains[] = {{0.3}, {3.1}, {1.7, 1.7}, {2.9, -1.3, 0.4}, {-2.2, 1.1, 2.8, -0.6, 0.1}};
+    for (const std::vector<double>& angles : chains) {
+        AtRest rest = rest_of(rigid_chain(angles));
+        double carried = 0;
+        for (size_t i = angles.size(); i-- > 0;) {
+            EXPECT_NEAR(rest.row[fmt::format("b{}.position.z", i)], -0.7 * static_cast<double>(i + 1), 1e-9) << i;
+            carried += 9.81 * (1 + 0.3 * static_cast<double>(i));
+        }
+        EXPECT_NEAR(rest.row["root.reaction.z"], carried, 1e-9 * carried);
+        EXPECT_THAT(rest.told, testing::Not(HasSubstr("unstable")));
+    }
+}
+
 /// The end of a clamped bar (L = 1, EI = 1) under a force q per length that stays across it, in the axes of its root: in its
 /// own axes N' = V κ, V' = −N κ − q, M' = −V, κ = M, all zero at the free end, from where it is integrated.
 Eigen::Vector2d end_under_a_force_across(double q) {

@@ -153,25 +153,25 @@ bool Equilibrium::descend(double t0) {
     steps_ = Steps::any;
     begin(t0);
     equations_.take_symmetric(true);
-    bool lasts = false;
-    try {
-        const Attempt attempt = iterate(1, kMostDescending);
-        lasts = attempt.is_converged && bend() <= kMayBeKink && equations_.is_stable();
-        if (lasts) accept(attempt);
-    } catch (const Error& error) {  // of a spring that has turned too far
-        if (error.code() != ExitCode::numerical_failure) throw;
-        lasts = false;
-    }
+    const Attempt attempt = iterate(1, kMostDescending);
+    const bool lasts =
+        attempt.is_converged && bend() <= kMayBeKink && equations_.is_stable() && !accept(attempt).has_value();
     equations_.take_symmetric(false);
     return lasts;
 }
 
-/// Takes where the iteration has ended.
-void Equilibrium::accept(const Attempt& attempt) {
+/// Takes where the iteration has ended. Returns why not, where a law does not hold there.
+std::optional<Error> Equilibrium::accept(const Attempt& attempt) {
+    try {
+        equations_.keep();
+    } catch (const Error& error) {
+        if (error.code() != ExitCode::numerical_failure) throw;
+        return error;
+    }
     ++state_.load_steps;
-    equations_.keep();
     const bool is_open = attempt.open.size > kClosed * (attempt.open.is_length ? equations_.size().extent : 1);
     state_.open = is_open ? describe(attempt.open) : "";
+    return std::nullopt;
 }
 
 /// Back to the assembled machine.
@@ -200,16 +200,18 @@ double Equilibrium::raise_load(double t0, Steps steps) {
     const double asked = asked_turn(model_, t0), largest_step = asked > kMostAskedTurn ? kMostAskedTurn / asked : 1;
     double done = 0, step = largest_step;
     RestingJoints::Opening widest;
+    std::optional<Error> beyond;  // the first place where a law does not hold
     while (done < 1) {
         const double factor = std::min(1.0, done + step);
         const Attempt attempt = iterate(factor, kMostIterations);
-        if (attempt.is_converged) {
+        const std::optional<Error> refused = attempt.is_converged ? accept(attempt) : std::nullopt;
+        if (attempt.is_converged && !refused) {
             done = factor;
             step = std::min(2 * step, largest_step);
-            accept(attempt);
             continue;
         }
         if (attempt.open.share > widest.share) widest = attempt.open;
+        if (!beyond) beyond = refused;
         is_smooth_ = false;
         step *= 0.5;
         equations_.recall();
@@ -218,13 +220,19 @@ double Equilibrium::raise_load(double t0, Steps steps) {
         if (step >= least && has_elements_) continue;
         if (steps == Steps::smooth) {
             const double shortest = std::min(least, 1 - done);
-            if (!has_elements_ || !pass_kink(done, shortest)) return done;
+            if (refused || !has_elements_ || !pass_kink(done, shortest)) return done;
             done += kOfKink * shortest;
             step = least;
             ++state_.load_steps;
             equations_.keep();
             continue;
         }
+        if (refused)
+            throw Error(ExitCode::numerical_failure,
+                        beyond->what() + (done > 0 ? fmt::format("; an equilibrium where it holds was found under {:.4g} of "
+                                                                 "the weight and loads",
+                                                                 done)
+                                                   : ""));
         const std::string found = done > 0 ? fmt::format(", but one under {:.4g} of them", done) : "";
         if (widest.share > kContradiction)
             throw Error(ExitCode::numerical_failure,

@@ -9,6 +9,7 @@
 #include "coupling/loads.h"
 #include "coupling/networks.h"
 #include "coupling/rest_equations.h"
+#include "model/error.h"
 #include "model/model.h"
 
 namespace dttmm::host {
@@ -67,7 +68,7 @@ private:
     enum class Steps { any, smooth };  ///< smooth: to the equilibrium that the growing load leads to, not to another one
     void search(double t0);
     bool descend(double t0);
-    void accept(const Attempt& attempt);
+    std::optional<Error> accept(const Attempt& attempt);
     double follow(double t0);
     void begin(double t0);
     double raise_load(double t0, Steps steps);

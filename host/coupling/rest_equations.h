@@ -62,7 +62,7 @@ public:
     const Balance& balance() const { return balance_; }
     /// Whether no motion grows where the machine is, but for one that grows as slowly as what counts as not held.
     bool is_stable();
-    /// 0 before the first correction.
+    /// Before the first correction that of a machine that nothing is stiff in.
     double least_resistance() const { return least_resistance_; }
 
     const std::vector<BodyState>& at() const { return now_.at; }

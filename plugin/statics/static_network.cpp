@@ -64,11 +64,6 @@ void StaticNetwork::begin() {
     kept_ = now_;
 }
 
-void StaticNetwork::keep() {
-    refuse_large_rotations();
-    kept_ = now_;
-}
-
 /// A rotation vector tells no full turns: it is followed from the place kept before.
 void StaticNetwork::refuse_large_rotations() const {
     for (const Joint& joint : mechanism_.joints) {

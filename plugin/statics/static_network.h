@@ -40,9 +40,11 @@ public:
 
     /// Back to the places of the assembled machine.
     void begin();
-    /// Keeps where everything is; goes back there. To keep throws Error(DTTMM_ERROR_NUMERIC) when a rotational stiffness has
-    /// turned too far. It takes turns from the place kept before as less than half a turn.
-    void keep();
+    /// Throws Error(DTTMM_ERROR_NUMERIC) where a rotational stiffness has turned too far, by less than half a turn from the
+    /// place kept before.
+    void refuse_large_rotations() const;
+    /// Keeps where everything is; goes back there.
+    void keep() { kept_ = now_; }
     void recall();
     /// loads: values as Loading has them; NULL: none.
     void set_loads(const Vector3& gravity, const double* loads);
@@ -84,7 +86,6 @@ private:
     size_t at(int frame) const { return as_size(frame - driven_); }
     Ends ends(const Joint& joint) const { return {now_.frames[as_size(joint.from())], now_.frames[as_size(joint.to())]}; }
     Vector6 motion_of(int frame) const;
-    void refuse_large_rotations() const;
     void take_ports(Ports ports);
     void place_joints();
     void predict_forces(double share);

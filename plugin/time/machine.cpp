@@ -368,6 +368,7 @@ void Machine::begin_statics() {
 }
 
 void Machine::keep_statics() {
+    for_each(*this, [](Part& part) { part.network.statics().refuse_large_rotations(); });  // before any is kept
     supports_.keep_statics();
     for_each(*this, [](Part& part) { part.network.statics().keep(); });
 }

@@ -527,6 +527,42 @@ rotational_stiffness = [0.7, 3, 3]
     }
 }
 
+// Oracle: a moment M turns a spring of k by M/k, which its law has up to 2.5 rad: up to 2.5 k/M of the load.
+TEST(Statics, ALawThatEndsBelowTheLoadsNamesTheirShare) {
+    for (const double moment : {2.9, 4.1}) {
+        const TemporaryFolder folder;
+        write_text(folder / "model.toml", fmt::format(R"toml(format = "dttmm/1"
+[nodes]
+root = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+tip = [0, 0, 0]
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "root"
+to = "tip"
+stiffness = 1e5
+rotational_stiffness = [10, 1.1, 10]
+[[element]]
+name = "bar"
+type = "rigid_body"
+at = "tip"
+mass = 0.3
+inertia = {{ xx = 0.01, yy = 0.02, zz = 0.02 }}
+[[load]]
+on = "tip"
+direction = [0, 1, 0]
+moment = {}
+)toml",
+                                                      moment));
+        const Ended ended = run_dttmm(folder.path(), {"static", "model.toml"});
+        EXPECT_EQ(ended.code, 4);
+        EXPECT_THAT(ended.err, HasSubstr("a rotational stiffness holds up to 2.5 rad")) << moment;
+        const size_t under = ended.err.find("was found under ");
+        ASSERT_NE(under, std::string::npos) << ended.err;
+        EXPECT_NEAR(std::stod(ended.err.substr(under + 16)), 2.5 * 1.1 / moment, 2e-3) << moment;
+    }
+}
+
 /// 45 degree bend of Bathe and Bolourchi (1979) under 600 lb out of its plane: tip at (15.685, 47.150, 53.475) by a fine own
 /// integration of the rod's equations (torsion constant that of Simo and Vu-Quoc, 2 I), who have (15.79, 47.23, 53.37).
 TEST(Statics, TheBendOfBatheAndBolourchi) {

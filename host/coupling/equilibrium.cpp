@@ -182,11 +182,15 @@ void Equilibrium::begin(double t0) {
     equations_.begin(t0);
 }
 
-/// Follows the load as it grows from zero, in steps without a jump. Returns the share up to which that leads: 0 where there
-/// is no such step from the assembled machine.
+/// Follows the load as it grows from zero, in steps without a jump, from where preloads alone bring the machine. Returns the
+/// share up to which that leads: 0 where there is no such step.
 double Equilibrium::follow(double t0) {
     begin(t0);
+    steps_ = Steps::any;
+    if (!iterate(0, kMostIterations).is_converged) return 0;
+    is_smooth_ = true;
     try {
+        equations_.keep();
         return raise_load(t0, Steps::smooth);
     } catch (const Error& error) {  // of a spring that turns too far elsewhere
         if (error.code() != ExitCode::numerical_failure) throw;

@@ -167,9 +167,10 @@ bool Channel::have_duplicates(std::span<const Channel> channels) {
     std::map<uint32_t, uint64_t> kind_of_form;
     const auto kind_of = [&](uint32_t number) {
         const auto [known, is_new] = kind_of_form.emplace(number, 0);
+        if (!is_new) return known->second;
         const Form& form = forms()[number];
-        if (is_new) known->second = kinds.emplace(std::pair(form.of, std::string_view(form.axis)), kinds.size()).first->second;
-        return known->second;
+        const std::pair<Of, std::string_view> kind(form.of, form.axis);
+        return known->second = kinds.emplace(kind, kinds.size()).first->second;
     };
     std::vector<uint64_t> numbers;
     numbers.reserve(channels.size());

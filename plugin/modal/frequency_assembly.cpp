@@ -19,8 +19,6 @@ namespace {
 
 /// Cosine of an angle that is round-off.
 constexpr double kAligned = 1e-9;
-/// Of the lengths of pieces: a difference that is rounding.
-constexpr double kSameLength = 1e-12;
 
 Matrix6 mass_block(double mass, const Matrix3& inertia) {
     Matrix6 block = Matrix6::Zero();
@@ -306,26 +304,18 @@ void FrequencyAssembly::add_resting_line(const LineSpec& spec) {
         add_line(spec, axial, forces.falling_in(spec.line.axes, section));
         if (is_bar) resting_->add_bar_force(model_.lines.back(), forces);
     } else {
-        const std::vector<Matrix3>& up = model_.resting[as_size(spec.element)].axes_of_segments;
-        double length = 0;
+        const std::vector<LineForces::Piece> pieces = forces.cut(count, section);
         for (int i = 0; i < count; ++i) {
-            LineForces::Piece piece{double(i) / count, double(i + 1) / count, {}, 0, {}};
-            const Vector3 start = forces.point(piece.from), finish = forces.point(piece.to);
-            const double own = (finish - start).norm();
-            if (std::abs(own - length) > kSameLength * own) length = own;
-            piece.length = length;
-            const Vector3 x = (finish - start) / own,
-                          y = up[as_size(static_cast<int>(0.5 * (piece.from + piece.to) * forces.segments()))].col(1),
-                          z = x.cross(y).normalized();
-            piece.axes << x, z.cross(x), z;
-            piece.axial = {forces.at(piece.from).head<3>().dot(x), forces.at(piece.to).head<3>().dot(x)};
-            add_piece(spec, i, count, start, finish, piece.axes, length, piece.axial,
-                      forces.falling_in(piece.axes, section));
+            const LineForces::Piece& piece = pieces[as_size(i)];
+            LineSpec scaled = spec;
+            scale_to(scaled.line.section, piece.length * count / forces.length());
+            add_piece(scaled, i, count, forces.point(piece.from), forces.point(piece.to), piece.axes, piece.length,
+                      piece.axial, forces.falling_in(piece.axes, scaled.line.section));
             const LineModel& line = model_.lines.back();
             if (!shapes_ || shapes_->kind != line.kind) shapes_ = {line.kind, line.waves->static_shapes()};
-            resting_->add_deviation(line, forces.stiffness(piece, section, shapes_->at_rest));
+            resting_->add_deviation(line, forces.stiffness(piece, scaled.line.section, shapes_->at_rest));
             model_.lines.back().deviation = as_int(model_.bonds.size()) - 1;
-            model_.total_mass += section.mass * length;
+            model_.total_mass += scaled.line.section.mass * piece.length;
         }
     }
     if (from >= 0) resting_->add_lever(spec.element, from, spec.start, forces.first().head<3>());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -152,6 +153,7 @@ struct FrequencyModel {
         /// Where its segments meet, both ends included: places [m], and [force; moment] on what follows less, world axes.
         std::vector<Vector3> points;
         std::vector<Vector6> forces;
+        std::array<Vector3, 2> ends;            ///< where the sections at its start and end look, world
         std::vector<Matrix3> axes_of_segments;  ///< as columns in world
         Vector6 at_from = Vector6::Zero();      ///< the same at its `from` end, in the axes of that end
         Matrix3 axes = Matrix3::Identity();     ///< these, as columns in world

@@ -19,6 +19,7 @@ struct LineShapes {
         Eigen::Matrix<double, 6, 12> d, slope;
     };
     std::array<Shape, kPoints.size()> at;  ///< at Gauss' points, as shares of the length
+    Matrix12 stiffness;                    ///< of the ends
 };
 
 /// What a weight does per length, [N] by rotations, at a place beside the axis that turns with the section: the second
@@ -36,6 +37,11 @@ public:
     LineForces(std::vector<Vector3> points, std::vector<Vector6> forces, const Vector6& turning, double factor = 1);
     /// Its weight per length [N/m, world axes], which acts on the mass axis of its section.
     void set_weight(const Vector3& weight) { weight_ = weight; }
+    /// axes: of its segments, as columns in world. ends: the normals of its sections at its start and end, world.
+    void set_sections(std::vector<Matrix3> axes, const std::array<Vector3, 2>& ends) {
+        sections_ = std::move(axes);
+        ends_ = ends;
+    }
     /// What that does, in axes of a straight line: what its waves know.
     Matrix3 falling_in(const Matrix3& axes, const Section& section) const;
 
@@ -57,29 +63,50 @@ public:
     /// A piece of it that counts as straight, from share to share.
     struct Piece {
         double from, to;
-        Matrix3 axes;                 ///< as columns in world, x from end to end
-        double length;                ///< [m]
-        std::array<double, 2> axial;  ///< force that its stiffness knows, at its start and end [N], linear between them
+        Matrix3 axes;                     ///< as columns in world, x from end to end
+        double length;                    ///< [m]
+        std::array<double, 2> axial;      ///< force that its waves know, at its start and end [N], linear between them
+        std::array<Vector3, 2> tangents;  ///< of the bent axis at its start and end, which neighbours share; world
+        double share(double t) const { return from + t * (to - from); }
     };
-    /// What these forces, but for that axial one, and the bend add to the stiffness of a piece, local axes. As forces turn
+    /// As many pieces of it. set_sections() comes before.
+    std::vector<Piece> cut(int count, const Section& section) const;
+    /// What its forces, but for the axial one, and the bend add to the stiffness of a piece, local axes. As forces turn
     /// with it: the second derivative of ∫ f·(−θ × u' + ½ θ × (θ × r')) − ½ m·(θ × θ') ds, θ the rotation vector, r' the
     /// direction of the axis. Loads q that turn with the line have no potential: the symmetric part of what they do, of −∫
     /// (θ × q)·δu ds, is added. The axis turns against the straight piece by φ, which moments make: it grows longer by ∫ (φ
     /// × e_x)·u' ds, of uniform tension, and bends and twists by ½ ∫ θ'·(R D Rᵀ − D) θ' ds, R = exp φ, D = diag(GJ, EIy,
-    /// EIz). The weight beside the axis turns with that, too.
-    /// The shape between the ends is that without all this, but for the torsion: it follows the forces with a parabola, held
-    /// by GJ. Without it the load at which a deep beam tips over would err by 0.25 % at ten segments, not by 2e-5.
+    /// EIz). Where it turns about e_x, u' has θ_x e_x × (φ × e_x) more: what that makes between the ends is taken off the
+    /// motion of the second one. The weight beside the axis turns with all that, too.
+    /// The shape between the ends is that without all this, but for the torsion: it follows with a parabola, held by GJ.
+    /// Without it the load at which a deep beam tips over would err by 0.25 % at ten segments, not by 2e-5. Errors of the
+    /// stiffness fall as the fourth power of the length of a piece, but for those of the lumps that have bent the line. A
+    /// round section may spin about the bent axis: that is exact under the forces that have bent it.
     Matrix12 stiffness(const Piece& piece, const Section& section, const LineShapes& shapes) const;
 
 private:
+    /// How moments bend a piece, in its axes: curvatures and twist at Gauss' points, and how far sections have turned.
+    struct Bend {
+        Eigen::Matrix<double, 3, 4> curvatures, turns;
+        std::array<Vector3, 2> at_ends;
+    };
+    struct Integrands;
+    Bend bend_of(const Piece& piece, const Section& section) const;
+    Integrands integrands(size_t k, const Piece& piece, const Section& section, const Bend& bend) const;
+    bool is_round(const Section& section) const;
+    void let_spin(const Piece& piece, Matrix12& K) const;
+    Matrix3 axes_along(const Vector3& way, double share) const;
     /// The segment that a share lies in, and where in it, from 0 to 1.
     std::pair<size_t, double> place(double share) const;
 
     std::vector<Vector3> points_;
+    std::vector<Vector3> bends_;  ///< curvature of its points, world [1/m]
     std::vector<Vector6> forces_;
     Vector6 turning_;
     double factor_;
     Vector3 weight_ = Vector3::Zero();
+    std::vector<Matrix3> sections_;
+    std::array<Vector3, 2> ends_;
 };
 
 }  // namespace dttmm::plugin

@@ -476,6 +476,7 @@ LineShapes LineWaves::static_shapes() const {
     Matrix12 K;
     evaluate<double>(1, 0, 1, K, nullptr);
     LineShapes shapes;
+    shapes.stiffness = K;
     for (LineShapes::Shape& shape : shapes.at) {
         shape.d.setIdentity();
         shape.slope.setZero();

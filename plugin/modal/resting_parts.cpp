@@ -64,6 +64,7 @@ void RestingParts::find_lines() {
             };
             if (k == 0) {
                 move_to(own.points.front());
+                own.ends[0] = links[k].from.turn * line.line.axes.col(0);
                 own.axes = pose.axes;
                 own.at_from = both(own.axes.transpose()) * forces;
             } else {
@@ -73,6 +74,7 @@ void RestingParts::find_lines() {
                     move_to(point + axes * beside_joint(local, step, line.line.section, description_.rest->factor));
                 } else {
                     move_to(links[k].to.point(line.finish));
+                    own.ends[1] = links[k].to.turn * line.line.axes.col(0);
                     own.turned = rotation_vector(Matrix3(own.axes.transpose() * joint.seat().axes_at_to(FrameView(at_to))));
                 }
                 own.points.push_back(point);
@@ -92,6 +94,7 @@ LineForces RestingParts::forces_of(const LineSpec& line) const {
     LineForces forces(own.points, own.forces, Vector6::Zero());
     forces = {own.points, own.forces, own.turning / forces.length(), description_.rest->factor};
     forces.set_weight(line.line.section.mass * rest_.gravity);
+    forces.set_sections(own.axes_of_segments, own.ends);
     return forces;
 }
 
@@ -106,17 +109,11 @@ Vector6 RestingParts::turning_load(int element) const {
     return sum;
 }
 
-namespace {
-
-/// What a section has per length at the start, per length at rest; stretch: of these. A run strains it per length at the
-/// start.
 void scale_to(Section& section, double stretch) {
     for (double* stiffness : {&section.EA, &section.EIy, &section.EIz, &section.GJ, &section.GAy, &section.GAz})
         *stiffness *= stretch;
     for (double* inertia : {&section.mass, &section.inertia, &section.rotary_y, &section.rotary_z}) *inertia /= stretch;
 }
-
-}  // namespace
 
 std::vector<const AtRest::Link*> RestingParts::place(Assembly& assembly) const {
     std::vector<const AtRest::Link*> links;

@@ -10,6 +10,10 @@
 
 namespace dttmm::plugin {
 
+/// What a section has per length at the start, per length at rest; stretch: of these. A run strains it per length at the
+/// start.
+void scale_to(Section& section, double stretch);
+
 /// What a machine at rest adds to a FrequencyModel: where its frames are, the tangents of its joints there, and what the
 /// forces there do as they turn with what they act on.
 class RestingParts {

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
+#include <array>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <vector>
@@ -31,7 +34,7 @@ LineShapes shapes_of(const Section& section) {
 
 /// All of a line as one piece whose waves know no axial force.
 Matrix12 stiffness(const LineForces& forces, const Section& section) {
-    return forces.stiffness({0, 1, Matrix3::Identity(), kPiece, {}}, section, shapes_of(section));
+    return forces.stiffness({0, 1, Matrix3::Identity(), kPiece, {}, {}}, section, shapes_of(section));
 }
 
 /// Points at equal steps along x, beside which the line lies by `beside` in y.
@@ -105,18 +108,118 @@ TEST(LineForces, ABentAxisCouplesBendingAndTension) {
     EXPECT_NEAR(K(0, 0), 0, 1e-9 * along);
 }
 
-// Oracle: a line that a moment bends about its z turns by φ = κ (s − L/2) there. With a twist between its ends, θ_x' = 1/L,
-// and a rotation of its start about y, θ_y = 1 − 4 t + 3 t² at t = s/L, ½ ∫ θ'·(φ × D − D φ ×) θ' ds is −(EIy − GJ) ∫ φ θ_x'
-// θ_y' ds = −(EIy − GJ) κ/2. What the moment does as it turns, −½ M ∫ (θ_x θ_y' − θ_y θ_x') ds, is zero.
+// Oracle: the force method for an arc of curvature κ about z, clamped at its start, in first order of κ: with y = ∫ φ, φ = κ
+// (s − L/2), a force along z and a moment about x at its end couple by ∫ (−y − φ (L − s))/GJ + φ (L − s)/EIy ds = κ L³ (1/(6
+// GJ) − 1/(12 EIy)). By the inverse, and the balance of the whole, a rotation of its start about y makes a moment about x at
+// its end of −κ (EIy − GJ/2). What the moment does as it turns, −½ M ∫ (θ_x θ_y' − θ_y θ_x') ds, is zero.
 TEST(LineForces, ABentAxisCouplesBendingAndTorsion) {
     constexpr double kMoment = 40;
     const Section section = slender();
     Vector6 moment = Vector6::Zero();
     moment(5) = kMoment;
     const Matrix12 K = stiffness({points(1), {moment, moment}, Vector6::Zero()}, section);
-    const double expected = -0.5 * (section.EIy - section.GJ) * kMoment / section.EIz;
+    const double expected = -(section.EIy - 0.5 * section.GJ) * kMoment / section.EIz;
     EXPECT_NEAR(K(9, 4), expected, 1e-6 * std::abs(expected));
     EXPECT_NEAR(K(4, 9), expected, 1e-6 * std::abs(expected));
+}
+
+/// A line in a plane, bent by a moment and a force at its start and by a load per length, its axis by Runge and Kutta's
+/// method, turned into an oblique plane.
+struct Arc {
+    std::vector<Vector3> points;
+    std::vector<Vector6> forces;
+    std::vector<Matrix3> axes;
+    std::array<Vector3, 2> ends;
+    double energy = 0;  ///< ∫ EI κ² ds
+};
+
+Arc arc_of(double bending, double moment, const Vector3& force, double load) {
+    constexpr int kSegments = 256, kSteps = 4;
+    const Matrix3 turn = Eigen::AngleAxisd(0.7, Vector3(1, 2, 0.5).normalized()).toRotationMatrix();
+    Arc arc;
+    Eigen::VectorXd y(5);  // place, angle, moment, force across
+    y << 0, 0, 0, moment, force.y();
+    const auto rate = [&](const Eigen::VectorXd& at) {
+        Eigen::VectorXd change(5);
+        const double c = std::cos(at(2)), s = std::sin(at(2));
+        change << c, s, at(3) / bending, s * force.x() - c * at(4), load;
+        return change;
+    };
+    const double h = kPiece / kSegments / kSteps;
+    for (int k = 0; k <= kSegments; ++k) {
+        const Vector3 along = turn * Vector3(std::cos(y(2)), std::sin(y(2)), 0);
+        Vector6 forces;
+        forces << turn * Vector3(force.x(), y(4), 0), turn * Vector3(0, 0, y(3));
+        arc.points.push_back(turn * Vector3(y(0), y(1), 0));
+        arc.forces.push_back(forces);
+        if (k == 0) arc.ends[0] = along;
+        arc.ends[1] = along;
+        if (k == kSegments) break;
+        arc.axes.push_back(turn);
+        arc.energy += y(3) * y(3) / bending * kPiece / kSegments;
+        for (int i = 0; i < kSteps; ++i) {
+            const Eigen::VectorXd k1 = rate(y), k2 = rate(y + 0.5 * h * k1), k3 = rate(y + 0.5 * h * k2),
+                                  k4 = rate(y + h * k3);
+            y += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+        }
+    }
+    return arc;
+}
+
+/// Its stiffness by so many pieces, of its ends alone.
+Matrix12 by_pieces(const Arc& arc, const Section& section, int count) {
+    LineForces line(arc.points, arc.forces, Vector6::Zero());
+    line.set_sections(arc.axes, arc.ends);
+    const auto n = static_cast<Eigen::Index>(6 * (count + 1));
+    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n, n);
+    Eigen::Index at = 0;
+    for (const LineForces::Piece& piece : line.cut(count, section)) {
+        Section scaled = section;
+        for (double* stiffness : {&scaled.EA, &scaled.EIy, &scaled.EIz, &scaled.GJ})
+            *stiffness *= piece.length * count / line.length();
+        Line own;
+        own.axes = piece.axes;
+        own.section = scaled;
+        const LineShapes shapes = LineWaves(own, piece.length, Directions(0b111111), piece.axial).static_shapes();
+        Matrix12 turn = Matrix12::Zero();
+        for (int i : {0, 3, 6, 9}) turn.block<3, 3>(i, i) = piece.axes;
+        K.block<12, 12>(at, at) += turn * (shapes.stiffness + line.stiffness(piece, scaled, shapes)) * turn.transpose();
+        at += 6;
+    }
+    Eigen::MatrixXd ends = Eigen::MatrixXd::Zero(n, 12);
+    ends.topLeftCorner<6, 6>().setIdentity();
+    ends.bottomRightCorner<6, 6>().setIdentity();
+    if (count > 1) ends.middleRows(6, n - 12) = -K.block(6, 6, n - 12, n - 12).ldlt().solve(K.middleRows(6, n - 12) * ends);
+    return ends.transpose() * K * ends;
+}
+
+// Oracle: many pieces, the limit of which is the same however they are made; and a round section may spin about a bent axis.
+// The stiffness of bent lines erred by the square of the length of a piece.
+TEST(LineForces, PiecesOfABentLineConvergeFastAndSpinFreely) {
+    struct Case {
+        double EIz, moment;
+        Vector3 force;
+        double load;
+    };
+    const Case cases[] = {{3e5, 6e4, {0, 0, 0}, 0},
+                          {3e5, 1e5, {0, 6e4, 0}, 0},
+                          {3e5, 0, {0, -8e4, 0}, 1e5},
+                          {3e5, 1e5, {5e5, 6e4, 0}, 0},
+                          {9e5, 1e5, {0, 6e4, 0}, 0}};
+    for (const Case& bent : cases) {
+        Section section = slender();
+        section.EA = 4e9;
+        section.EIz = bent.EIz;
+        const Arc arc = arc_of(bent.EIz, bent.moment, bent.force, bent.load);
+        const Matrix12 fine = by_pieces(arc, section, 32), four = by_pieces(arc, section, 4),
+                       eight = by_pieces(arc, section, 8);
+        EXPECT_GT((four - fine).norm(), 10 * (eight - fine).norm()) << bent.EIz << " " << bent.moment;
+        EXPECT_LT((eight - fine).norm(), 3e-4 * fine.norm()) << bent.EIz << " " << bent.moment;
+        if (bent.EIz != section.EIy) continue;
+        Vector12 spin = Vector12::Zero();
+        for (int end : {0, 1}) spin.segment<3>(6 * end + 3) = arc.ends[as_size(end)];
+        EXPECT_NEAR(spin.dot(four * spin), 0, 1e-7 * arc.energy) << bent.moment;
+    }
 }
 
 // Oracle: a sag of 0.024 of the radius of gyration wants 0.024/3e-3 pieces, less than 0.006 two.

@@ -29,7 +29,9 @@ std::optional<FreeMotions> find_free(const Model& model, ModalMachine& machine) 
         const std::string name = motion_in_words(model, machine, modes[m], energies_of(model, machine, modes[m], m));
         if (std::ranges::find(free.names, name) == free.names.end()) free.names.push_back(name);
     }
-    free.is_certain = true;  // the shapes are strained by nothing
+    free.is_certain = std::ranges::all_of(modes, [](const ModalInstance::Mode& mode) {
+        return mode.numbers.frequency != 0 || mode.numbers.bracket == 0;  // the shapes are strained by nothing
+    });
     return free;
 }
 

@@ -21,6 +21,8 @@ struct FreeMotions {
     std::vector<std::string> names;  ///< what moves, as `dttmm modes` says it, once each; none of more than kMostNamed
     bool is_certain = true;          ///< else some may be held by so little that rounding hides it
 
+    /// Their shapes were looked at, and are strained, but by so little.
+    bool may_be_held() const { return !is_certain && !names.empty(); }
     /// "nothing holds 2 motions (cart: y 100 %; truck: rz 100 %)"
     std::string text() const;
 };

@@ -194,6 +194,20 @@ void warn_growing(const ModalMachine& machine, const std::vector<Mode>& modes, W
                                   what));
 }
 
+void warn_hidden(const std::vector<Mode>& modes, Warnings& warnings) {
+    size_t count = 0;
+    double slowest = 0;
+    for (const Mode& mode : modes)
+        if (mode.numbers.frequency == 0 && mode.numbers.bracket > 0)
+            ++count, slowest = std::max(slowest, mode.numbers.bracket);
+    if (count > 0)
+        warnings.add(
+            "slow-motion",
+            fmt::format("{} listed with 0 Hz may vibrate or grow as slowly as at {:.2g} Hz: rounding of the stiffest "
+                        "parts hides how they are held. Near a critical load a little change of it shows that",
+                        counted(count, "motion", "motions"), slowest));
+}
+
 /// Where they are asked for.
 std::optional<DampedModes> damped_of(const Request& request, const Plugins& plugins, const Model& model,
                                      ModalMachine& machine, const std::vector<Mode>& modes, Warnings& warnings) {
@@ -208,7 +222,8 @@ std::optional<DampedModes> damped_of(const Request& request, const Plugins& plug
 
 void print_proof(const std::vector<Mode>& modes, const ResultsFolder& folder) {
     double widest = 0;
-    for (const Mode& mode : modes) widest = std::max(widest, mode.numbers.bracket);
+    for (const Mode& mode : modes)
+        if (mode.numbers.frequency != 0) widest = std::max(widest, mode.numbers.bracket);
     fmt::print("counted and complete{}; results in {}\n",
                modes.empty() ? "" : fmt::format(", each within {:.1e} of itself", widest), folder.describe());
 }
@@ -225,6 +240,7 @@ ExitCode find_modes(const Request& request) {
     if (request.modes.is_verbose) fmt::print(request.modes.as_json ? stderr : stdout, "{}", machine.layout());
     const std::vector<Mode> modes = session.find_modes();
     warn_growing(machine, modes, warnings);
+    warn_hidden(modes, warnings);
 
     std::vector<ModeEnergies> energies;
     for (const Mode& mode : modes)

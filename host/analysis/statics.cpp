@@ -292,7 +292,7 @@ private:
         try {
             return count(factor, slack_);
         } catch (const Error& error) {
-            if (error.code() != ExitCode::numerical_failure && error.code() != ExitCode::resource_limit) throw;
+            if (error.code() == ExitCode::plugin_failure || error.code() == ExitCode::internal_error) throw;
             why_not_ = error.what();
             return std::nullopt;
         }
@@ -415,6 +415,19 @@ void note_beyond_limit(const Found& found, const std::vector<Channel>& channels,
                     load.factor, channels[worst->channel + 1].name(), worst->most * std::abs(load.factor), worst->element));
 }
 
+/// What moves freely where the forces have bent the machine does so under more of them, too, for they bend it more; but its
+/// places stay those at rest. A round bar between ball joints that spins about its bent axis has a factor of 1 so.
+void note_free_at_one(const Found& found, Warnings& warnings) {
+    constexpr double kNear = 0.05;  // of it: bends of few segments are known to a few per cent
+    if (!found.free || found.free->count == 0) return;
+    for (const CriticalLoad& load : found.critical.factors)
+        if (std::abs(load.factor - 1) < kNear)
+            return warnings.note("critical-load-of-free-motion",
+                                 fmt::format("the critical load factor {:.6g} may be that of a motion that nothing holds at "
+                                             "rest, as of a bent shaft that spins: such a motion never grows",
+                                             load.factor));
+}
+
 /// Counts motions that grow, names those that nothing holds, and finds load factors where they are asked for.
 void look_at_stability(const Request& request, const Model& model, const Plugins& plugins, Simulation& resting, Found& found,
                        Warnings& warnings) {
@@ -442,6 +455,7 @@ void look_at_stability(const Request& request, const Model& model, const Plugins
     if (request.statics.buckling > 0) found.critical = Buckling(describe()).find_factors(request.statics.buckling);
     for (CriticalLoad& load : found.critical.factors)
         if (load.uncertainty) *load.uncertainty += found.rest.unbalanced();
+    note_free_at_one(found, warnings);
     note_beyond_limit(found, resting.channels(), warnings);
 }
 
@@ -612,8 +626,9 @@ void write_summary(JsonWriter& json, const Results& results, const Model& model,
         } else if (found.growing) {
             member("growing_motions", *found.growing);
         }
-        if (found.free) member("free_motions", found.free->count);
-        if (found.free && !found.free->names.empty()) member("what_is_free", found.free->names);
+        const bool are_free = found.free && !found.free->may_be_held();
+        if (are_free) member("free_motions", found.free->count);
+        if (are_free && !found.free->names.empty()) member("what_is_free", found.free->names);
         if (request.statics.buckling == 0) return;
         std::vector<double> factors;
         Json uncertainties = Json::array();
@@ -700,9 +715,10 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
                                  "lists them with negative frequencies",
                                  place, growing_of(found)));
     if (found.free && found.free->count > 0)
-        warnings.note("free-motion", fmt::format("{}{}: small motions there meet no force, so that there may be other "
-                                                 "equilibria nearby",
-                                                 place, found.free->text()));
+        warnings.note(found.free->may_be_held() ? "free-motion-unknown" : "free-motion",
+                      fmt::format("{}{}: small motions there meet no force, so that there may be other "
+                                  "equilibria nearby",
+                                  place, found.free->text()));
     if (!found.why_free_unknown.empty())
         warnings.note("free-motion-unknown",
                       fmt::format("{}it is not known what nothing holds: {}", place, found.why_free_unknown));

@@ -282,7 +282,10 @@ void ModeFinder::find_rigid(int count, double lowest) {
         }
     } while (strained > 0 && strained < 0.5 * before);
     strained = std::min(strained, before);
-    if (strained > kStrain * lowest * lowest) {
+    const bool is_seen = strained > kStrain * lowest * lowest;
+    // Forces at rest balance to some digits only: what they leave of a motion that nothing holds is no reason to refuse it
+    const bool is_hidden = stiffness_.model().is_at_rest && strained <= kWiden * kWiden * rounding();
+    if (is_seen && !is_hidden) {
         // Growth is counted from that shift on. The strain is known to some parts of itself only
         const double slow = std::sqrt(strained), limit = std::max(slow, grows ? std::sqrt(-shift) : lowest);
         throw Error(
@@ -292,7 +295,10 @@ void ModeFinder::find_rigid(int count, double lowest) {
                         grows ? "a motion that grows" : "a natural frequency", hertz(slow), hertz(limit),
                         slow > kWiden * kWiden * std::sqrt(rounding()) ? ", or ask for lower frequencies" : "", of_load()));
     }
+    const size_t first = modes_.size();
     add({std::vector<double>(shapes.size(), 0.0), shapes, stiffness_.cuts()}, 0);
+    if (!is_seen) return;
+    for (Mode& mode : std::span(modes_).subspan(first)) mode.bracket = hertz(std::sqrt(strained));
 }
 
 /// Finds what an interval has, with the counts at its ends as proof.

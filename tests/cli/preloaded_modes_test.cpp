@@ -20,9 +20,8 @@ namespace {
 using testing::HasSubstr;
 
 // Oracle: a frequency goes through zero at Euler's load, pi^2 EI/(4 L l), l the pressed length. Within 1e-8 of it rounding
-// hides that frequency, 1e-6 beside nothing. The message named a limit below what it said to be below it, and asked for
-// lower frequencies, which cannot help.
-TEST(PreloadedModes, AColumnNextToItsCriticalLoadIsRefusedWithACureThatHelps) {
+// hides that frequency, 1e-6 beside nothing: it is listed with 0 Hz, and how fast it may be is said.
+TEST(PreloadedModes, AColumnNextToItsCriticalLoadIsListedWithZeroAndABound) {
     static constexpr double kEI = 300, kEA = 4e6, kLength = 1.968501968503937;
     const auto modes = [](double load, const char* below) {
         const TemporaryFolder folder;
@@ -48,23 +47,21 @@ force = {}
     };
     double euler = M_PI * M_PI * kEI / (4 * kLength * kLength);
     for (int i = 0; i < 3; ++i) euler = M_PI * M_PI * kEI / (4 * kLength * kLength * (1 - euler / kEA));
-    int refused = 0;
+    int hidden = 0;
     for (const double beside : {-1e-8, -3e-9, 0.0, 3e-9, 1e-8, 2e-8})
         for (const char* below : {"3 Hz", "100 Hz", "1000 Hz"}) {
             const Ended ended = modes(euler * (1 + beside), below);
-            if (ended.code == 0) continue;
-            ++refused;
-            EXPECT_EQ(ended.code, 4);
-            EXPECT_THAT(ended.err, testing::HasSubstr("change the load a little")) << beside << below;
-            EXPECT_THAT(ended.err, testing::Not(testing::HasSubstr("lower frequencies"))) << beside << below;
-            double slow = 0, limit = 0;
-            const size_t at = ended.err.find("at about "), to = ended.err.find("up to ");
-            if (at == std::string::npos || to == std::string::npos) continue;
-            slow = std::stod(ended.err.substr(at + 9));
-            limit = std::stod(ended.err.substr(to + 6));
-            EXPECT_LE(slow, limit) << ended.err;
+            EXPECT_EQ(ended.code, 0) << ended.err;
+            const size_t at = ended.err.find("as slowly as at ");
+            if (at == std::string::npos) continue;
+            ++hidden;
+            const double bound = std::stod(ended.err.substr(at + 16));
+            // The first frequency of the bar without its load, as slow as the distance from Euler's load makes it
+            const double first = 1.8751 * 1.8751 / (2 * M_PI * kLength * kLength) * std::sqrt(kEI / 2);
+            EXPECT_GT(bound, 0.5 * first * std::sqrt(std::abs(beside))) << beside << below;
+            EXPECT_LT(bound, 1e-3 * first) << beside << below;
         }
-    EXPECT_GT(refused, 3);
+    EXPECT_GT(hidden, 3);
     for (const double beside : {-1e-6, 1e-6}) EXPECT_EQ(modes(euler * (1 + beside), "100 Hz").code, 0);
 }
 
@@ -1037,6 +1034,149 @@ force = {}
             EXPECT_THAT(ended.err, testing::Not(HasSubstr("is bent at rest")));
         }
     }
+}
+
+/// A shaft of 30 mm on two springs, with a disc whose centre of mass lies below its axis.
+std::string rotor(double beside) {
+    return fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[nodes]
+left = [0, 0, 0]
+right = [0.6, 0, 0]
+[[body]]
+name = "disc"
+mass = 10.65
+inertia = [0.0767, 0.0392, 0.0392]
+center_of_mass = [0, 0, {:.17g}]
+position = [0.25, 0, 0]
+[[element]]
+name = "first"
+type = "beam"
+from = "left"
+to = "disc"
+section = {{ circle = "30 mm" }}
+material = {{ E = "210 GPa", poisson = 0.3, density = 7850 }}
+[[element]]
+name = "second"
+type = "beam"
+from = "disc"
+to = "right"
+section = {{ circle = "30 mm" }}
+material = {{ E = "210 GPa", poisson = 0.3, density = 7850 }}
+[[element]]
+name = "left_bearing"
+type = "spring_damper"
+from = "ground"
+to = "left"
+stiffness = [2e7, 5e7, 5e7]
+[[element]]
+name = "right_bearing"
+type = "spring_damper"
+from = "ground"
+to = "right"
+stiffness = [0, 5e7, 5e7]
+)",
+                       -beside);
+}
+
+// Oracle: a pendulum, √(m g e/J)/2π, J that of the disc and the shaft. The shaft bends by 10 µm, and its pieces held the
+// spin about its bent axis: with e = 2 µm by 45 %, and a centred rotor was called unstable.
+TEST(PreloadedModes, ARotorSwingsByItsEccentricityAlone) {
+    const double shaft = M_PI * std::pow(0.03, 4) / 32 * 7850 * 0.6;
+    for (const double beside : {2e-6, 2e-5, 1e-4}) {
+        const double exact = std::sqrt(10.65 * 9.81 * beside / (0.0767 + shaft + 10.65 * beside * beside)) / (2 * M_PI);
+        EXPECT_NEAR(frequencies_of(modes_of(rotor(beside), {"--count", "3"})).at(0), exact, 1e-4 * exact) << beside;
+    }
+    EXPECT_EQ(frequencies_of(modes_of(rotor(0), {"--count", "3"})).at(0), 0);
+    const AtRest rest = rest_of(rotor(0));
+    EXPECT_THAT(rest.told, testing::Not(HasSubstr("unstable")));
+    EXPECT_EQ(rest.summary["free_motions"], 1);
+}
+
+// Oracle: a bar that is as stiff in all directions spins about its bent axis, and nothing holds it; by a body beside it, it
+// has a frequency that many lumps agree on. It was called unstable, at -0.85 Hz, and erred by 6 %.
+TEST(PreloadedModes, ABentBarBetweenBallJointsSpinsFreely) {
+    const auto bar = [](int segments, const char* section, const char* body) {
+        return fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z"] }}
+b = {{ position = [1.3, 0, 0], fixed = ["x", "y", "z"] }}
+{}[[element]]
+name = "bar"
+type = "beam"
+from = "a"
+to = "b"
+segments = {}
+section = {{ {} }}
+material = {{ E = "210 GPa", poisson = 0.3, density = 7850 }}
+)",
+                           body, segments, section);
+    };
+    for (const char* section : {"circle = \"8 mm\"", "rectangle = [\"7 mm\", \"7 mm\"]"})
+        for (const int segments : {10, 40}) {
+            const TemporaryFolder folder;
+            write_text(folder / "m.toml", bar(segments, section, ""));
+            const Ended ended = run_dttmm(folder.path(), {"modes", "m.toml", "--count", "2", "-o", "out"});
+            ASSERT_EQ(ended.code, 0) << section << segments << ended.err;
+            EXPECT_NEAR(read_json(folder / "out/summary.json")["modes"][0]["frequency_hz"].get<double>(), 0, 0.02);
+            EXPECT_THAT(rest_of(bar(segments, section, "")).told, testing::Not(HasSubstr("unstable"))) << segments;
+        }
+}
+
+// Oracle: 6 motions of the whole are free, and the others are those of the machine on springs that are soft beside it. A
+// tube and a tie that presses it balance each other wherever they are; modes ended with code 4.
+TEST(PreloadedModes, ATieThatPressesAFreeTube) {
+    const auto frequencies = [](const char* springs, int count) {
+        const TemporaryFolder folder;
+        write_text(folder / "m.toml", fmt::format(R"(format = "dttmm/1"
+[nodes]
+a = [0.1, 0.2, 0.3]
+b = [0.9, 1.1, 0.7]
+[[element]]
+name = "tube"
+type = "beam"
+from = "a"
+to = "b"
+segments = 12
+section = {{ tube = ["40 mm", "34 mm"] }}
+material = {{ E = "210 GPa", poisson = 0.3, density = 7850 }}
+[[element]]
+name = "tie"
+type = "axial_spring"
+from = "a"
+to = "b"
+stiffness = 2e5
+preload = 3000
+{})",
+                                                  springs));
+        const Ended ended = run_dttmm(folder.path(), {"modes", "m.toml", "--count", std::to_string(count), "-o", "out"});
+        EXPECT_EQ(ended.code, 0) << ended.err;
+        if (ended.code != 0) return std::vector<double>();
+        return frequencies_of(read_json(folder / "out/summary.json"));
+    };
+    const std::vector<double> free = frequencies("", 8), sprung = frequencies(R"([[element]]
+name = "one"
+type = "spring_damper"
+from = "ground"
+to = "a"
+stiffness = 3
+rotational_stiffness = 0.2
+[[element]]
+name = "other"
+type = "spring_damper"
+from = "ground"
+to = "b"
+stiffness = 3
+rotational_stiffness = 0.2
+)",
+                                                                              8);
+    ASSERT_EQ(free.size(), 8u);
+    ASSERT_EQ(sprung.size(), 8u);
+    for (size_t k = 0; k < 6; ++k) EXPECT_EQ(free[k], 0) << k;
+    for (size_t k = 6; k < 8; ++k) EXPECT_NEAR(free[k], sprung[k], 1e-4 * sprung[k]) << k;
 }
 
 // Oracle: the girder without its load, whose bend is 1e-5 of its frequencies. By ten lumps the eighth is 9 % lower.

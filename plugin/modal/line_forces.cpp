@@ -16,9 +16,6 @@ namespace {
 /// At a place of a line: displacement, rotation, and what both change by per length.
 using Place = Eigen::Matrix<double, 12, 1>;
 constexpr Eigen::Index kTurn = 3, kSlope = 6, kBend = 9;  ///< where they begin
-/// How fast the curvature of moments gives way to that of the points in a taut line: with 1 a taut wire has its frequencies
-/// with an error of 2e-4, with 4 of 1e-6.
-constexpr int kTaut = 4;
 
 /// A quadratic form of these is added both ways round.
 void add_both(Matrix12& form, Eigen::Index row, Eigen::Index column, const Matrix3& block) {
@@ -81,17 +78,7 @@ Matrix3 falling(const Vector3& weight, const Vector3& beside) {
 }
 
 LineForces::LineForces(std::vector<Vector3> points, std::vector<Vector6> forces, const Vector6& turning, double factor)
-    : points_(std::move(points)), forces_(std::move(forces)), turning_(turning), factor_(factor) {
-    const size_t n = points_.size() - 1;
-    bends_.assign(n + 1, Vector3::Zero());
-    for (size_t k = 1; k < n; ++k) {
-        const Vector3 before = points_[k] - points_[k - 1], behind = points_[k + 1] - points_[k];
-        bends_[k] = 2 * before.cross(behind) / (before.norm() * behind.norm() * (before.norm() + behind.norm()));
-    }
-    if (n < 2) return;
-    bends_.front() = bends_[1];
-    bends_.back() = bends_[n - 1];
-}
+    : points_(std::move(points)), forces_(std::move(forces)), turning_(turning), factor_(factor) {}
 
 std::pair<size_t, double> LineForces::place(double share) const {
     const double at = share * segments();
@@ -184,33 +171,22 @@ int LineForces::pieces(const Section& section) const {
     return std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e6))), 1, segments());
 }
 
-/// The ends of the piece lie on the axis. Moments are those of lumps: where a line is taut, the moment of a straight segment
-/// between its ends is that of its tension, not of its curvature, which follows from where the points are.
+/// By the integrals of the curvature, a polynomial. The ends of the piece lie on the axis.
 LineForces::Bend LineForces::bend_of(const Piece& piece, const Section& section) const {
     Bend bend{};
     if (factor_ == 0) return bend;
     static const Eigen::Matrix4d integrals = integrals_of_points();
     const Eigen::Map<const Eigen::Vector4d> weights(LineShapes::kWeights.data());
     const Vector3 rigidities = factor_ * Vector3(section.GJ, section.EIy, section.EIz);
-    const Matrix6 to_local = both(piece.axes.transpose());
-    const double segment = length() / segments();
+    Eigen::Matrix<double, 3, 4> curvatures;
     for (size_t k = 0; k < LineShapes::kPoints.size(); ++k) {
-        const double share = piece.share(LineShapes::kPoints[k]);
-        const Vector6 forces = to_local * at(share);
-        auto curvature = bend.curvatures.col(as_row(k));
-        curvature = forces.tail<3>().cwiseQuotient(rigidities);
-        if (segments() < 2) continue;
-        const auto [first, t] = place(share);
-        const Vector3 of_points = piece.axes.transpose() * ((1 - t) * bends_[first] + t * bends_[first + 1]);
-        for (int d : {1, 2}) {
-            const double taut = std::abs(forces(0)) * segment * segment / (M_PI * M_PI * rigidities(d));
-            curvature(d) = of_points(d) + (curvature(d) - of_points(d)) / std::pow(1 + taut, kTaut);
-        }
+        const Vector3 moment = at(piece.share(LineShapes::kPoints[k])).tail<3>();
+        curvatures.col(as_row(k)) = (piece.axes.transpose() * moment).cwiseQuotient(rigidities);
     }
-    bend.turns = piece.length * bend.curvatures * integrals.transpose();
+    bend.turns = piece.length * curvatures * integrals.transpose();
     const Vector3 mean = bend.turns * weights;
     bend.turns.colwise() -= mean;
-    bend.at_ends = {-mean, piece.length * bend.curvatures * weights - mean};
+    bend.at_ends = {-mean, piece.length * curvatures * weights - mean};
     return bend;
 }
 
@@ -250,9 +226,7 @@ LineForces::Integrands LineForces::integrands(size_t k, const Piece& piece, cons
     const Vector3 e = Vector3::UnitX(), rigidities(section.GJ, section.EIy, section.EIz);
     const double t = LineShapes::kPoints[k], share = piece.share(t);
     const Vector3 turn = bend.turns.col(as_row(k)), slope = turn.cross(e);
-    Vector6 forces = both(piece.axes.transpose()) * at(share);
-    if (factor_ != 0)
-        forces.tail<2>() = factor_ * rigidities.tail<2>().cwiseProduct(bend.curvatures.col(as_row(k)).tail<2>());
+    const Vector6 forces = both(piece.axes.transpose()) * at(share);
     const Vector3 force = forces.head<3>();
     const Vector3 normal = factor_ == 0 ? Vector3(Vector3::Zero()) : turn_of_section(force, factor_, section);
     const Matrix3 axes = rotation_from_vector<double>(turn + normal);

@@ -85,9 +85,9 @@ public:
     Matrix12 stiffness(const Piece& piece, const Section& section, const LineShapes& shapes) const;
 
 private:
-    /// How moments bend a piece, in its axes: curvatures and twist at Gauss' points, and how far sections have turned.
+    /// How far moments have turned the sections of a piece against it, in its axes, at Gauss' points and at its ends.
     struct Bend {
-        Eigen::Matrix<double, 3, 4> curvatures, turns;
+        Eigen::Matrix<double, 3, 4> turns;
         std::array<Vector3, 2> at_ends;
     };
     struct Integrands;
@@ -100,7 +100,6 @@ private:
     std::pair<size_t, double> place(double share) const;
 
     std::vector<Vector3> points_;
-    std::vector<Vector3> bends_;  ///< curvature of its points, world [1/m]
     std::vector<Vector6> forces_;
     Vector6 turning_;
     double factor_;

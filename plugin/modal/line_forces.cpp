@@ -215,11 +215,10 @@ std::vector<LineForces::Piece> LineForces::cut(int count, const Section& section
 
 /// The integrands of stiffness(), by what a place does.
 struct LineForces::Integrands {
-    Matrix12 of_forces;  ///< of forces that turn, and of the bend
-    Matrix12 of_waves;   ///< of shear, less what the waves know
-    Place twist;         ///< what a twist between the ends does, a parabola
-    Place stretch;       ///< of the axis
-    Vector3 across;      ///< what a turn about the axis of the piece adds to u', for its axis is bent
+    Matrix12 form;   ///< of all but the stretch, a quadratic form
+    Place by_twist;  ///< the same by a twist between the ends, a parabola
+    Place stretch;   ///< of the axis
+    Vector3 across;  ///< what a turn about the axis of the piece adds to u', for its axis is bent
 };
 
 LineForces::Integrands LineForces::integrands(size_t k, const Piece& piece, const Section& section, const Bend& bend) const {
@@ -233,25 +232,23 @@ LineForces::Integrands LineForces::integrands(size_t k, const Piece& piece, cons
 
     Integrands all;
     all.across = e.cross(slope);
-    all.twist.setZero();
-    all.twist(kTurn) = 4 * t * (1 - t);
-    all.twist(kBend) = 4 * (1 - 2 * t) / piece.length;
-    all.twist.segment<3>(kSlope) = all.twist(kTurn) * all.across;
-    all.of_forces = turning_of_section(forces, turning_load(share));
-    add_both(all.of_forces, kTurn, kTurn, 0.5 * (force * slope.transpose() - force.dot(slope) * Matrix3::Identity()));
-    all.of_forces.block<3, 3>(kBend, kBend) +=
-        axes * rigidities.asDiagonal() * axes.transpose() - Matrix3(rigidities.asDiagonal());
+    Matrix12& form = all.form = turning_of_section(forces, turning_load(share));
+    add_both(form, kTurn, kTurn, 0.5 * (force * slope.transpose() - force.dot(slope) * Matrix3::Identity()));
+    form.block<3, 3>(kBend, kBend) += axes * rigidities.asDiagonal() * axes.transpose() - Matrix3(rigidities.asDiagonal());
     if (const Matrix3 known = falling_in(piece.axes, section); !known.isZero(0))
-        all.of_forces.block<3, 3>(kTurn, kTurn) +=
+        form.block<3, 3>(kTurn, kTurn) +=
             falling(piece.axes.transpose() * weight_, axes * Vector3(0, section.offset_y, section.offset_z)) - known;
+    form.col(kTurn) += (form.middleCols<3>(kSlope) * all.across).eval();
+    form.row(kTurn) += (all.across.transpose() * form.middleRows<3>(kSlope)).eval();
+    all.by_twist = 4 * t * (1 - t) * form.col(kTurn) + 4 * (1 - 2 * t) / piece.length * form.col(kBend);
 
-    const double axial = (1 - t) * piece.axial[0] + t * piece.axial[1];
-    all.of_waves = -turning_of_section(axial * Vector6::Unit(0), Vector3::Zero());
+    // What the waves know is taken off, and strains of the section are those of the shape
+    form -= turning_of_section(((1 - t) * piece.axial[0] + t * piece.axial[1]) * Vector6::Unit(0), Vector3::Zero());
     const Eigen::Matrix<double, 3, 12> strains = strains_of_section(),
                                        own = rotation_from_vector<double>(normal).transpose() * strains;
     for (const auto& [i, stiffness] : {std::pair(1, section.GAy), std::pair(2, section.GAz)})
         if (std::isfinite(stiffness))
-            all.of_waves += stiffness * (own.row(i).transpose() * own.row(i) - strains.row(i).transpose() * strains.row(i));
+            form += stiffness * (own.row(i).transpose() * own.row(i) - strains.row(i).transpose() * strains.row(i));
     all.stretch = (own.row(0) - strains.row(0)).transpose();
     all.stretch.segment<3>(kSlope) += slope;
     return all;
@@ -268,21 +265,18 @@ Matrix12 LineForces::stiffness(const Piece& piece, const Section& section, const
         const Integrands own = integrands(k, piece, section, bend);
         Matrix12 by_ends;
         by_ends << shapes.at[k].d, shapes.at[k].slope;
-        Matrix12 moved = by_ends;
-        moved.middleRows<3>(kSlope) += own.across * by_ends.row(kTurn);
-        const Matrix12 formed = (weight * own.of_forces).lazyProduct(moved),
-                       of_waves = (weight * own.of_waves).lazyProduct(by_ends);
-        K.noalias() += moved.transpose().lazyProduct(formed) + by_ends.transpose().lazyProduct(of_waves);
-        by_twist += weight * (moved.transpose() * (own.of_forces * own.twist));
+        const Matrix12 formed = (weight * own.form).lazyProduct(by_ends);
+        K.noalias() += by_ends.transpose().lazyProduct(formed);
+        by_twist += weight * (by_ends.transpose() * own.by_twist);
         longer += weight * (by_ends.transpose() * own.stretch);
         beside += weight * LineShapes::kPoints[k] * own.across;
     }
     K -= by_twist * by_twist.transpose() / (16 * section.GJ / (3 * piece.length));
     K += section.EA / piece.length * longer * longer.transpose();
-    Matrix12 to_held = Matrix12::Identity();
-    to_held.block<3, 1>(6, 3) += beside;
-    to_held.block<3, 1>(6, 9) -= beside;
-    K = (to_held.transpose() * K * to_held).eval();
+    for (const auto& [turn, sign] : {std::pair(3, 1), std::pair(9, -1)}) {
+        K.col(turn) += sign * (K.middleCols<3>(6) * beside).eval();
+        K.row(turn) += sign * (beside.transpose() * K.middleRows<3>(6)).eval();
+    }
     if (factor_ == 1 && is_round(section)) let_spin(piece, K);
     return 0.5 * (K + K.transpose()) - shapes.stiffness;
 }

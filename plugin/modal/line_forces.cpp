@@ -173,7 +173,7 @@ int LineForces::pieces(const Section& section) const {
 
 /// By the integrals of the curvature, a polynomial. The ends of the piece lie on the axis.
 LineForces::Bend LineForces::bend_of(const Piece& piece, const Section& section) const {
-    Bend bend{};
+    Bend bend{Eigen::Matrix<double, 3, 4>::Zero(), {Vector3::Zero(), Vector3::Zero()}};
     if (factor_ == 0) return bend;
     static const Eigen::Matrix4d integrals = integrals_of_points();
     const Eigen::Map<const Eigen::Vector4d> weights(LineShapes::kWeights.data());

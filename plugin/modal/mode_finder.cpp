@@ -38,6 +38,8 @@ constexpr double kBeside = 0.25 * kEqual;
 /// refined together lie nearer than that. Range 2.5e-13 to 2.5e-9, none fails; 1e-6 (below it RandomTrees) to 1e-3, none
 /// fails.
 constexpr double kFinestBracket = 2.5e-11, kWidestBracket = 1e-5;
+/// The same where forces at rest may bring a frequency near to zero, and what is left of it is little beside rounding.
+constexpr double kWidestAtRest = 1e-2;
 /// Where the search for the first few begins, and where a model of finitely many masses has no more [rad/s]. Range 0.06 to
 /// 600 and 1e10 to 1e14, none fails.
 constexpr double kFirstTrial = 2 * M_PI, kFastest = 1e12;
@@ -425,7 +427,7 @@ Mode ModeFinder::describe(FrameVector shape, double lambda) const {
         mode.residual = std::abs(dot(shape, stiffness_.stiffness_times(shape)) / inertial);
         mode.bracket = (std::abs(2 * elastic - inertial) + 2 * all.unsure) / std::abs(inertial);
     }
-    if (mode.bracket > kWidestBracket)
+    if (mode.bracket > (stiffness_.model().is_at_rest ? kWidestAtRest : kWidestBracket))
         throw Error(
             DTTMM_ERROR_NUMERIC,
             fmt::format("a natural frequency at {:.6g} Hz is known to {:.1e} of itself only: rounding of the stiffest "

@@ -196,16 +196,16 @@ void warn_growing(const ModalMachine& machine, const std::vector<Mode>& modes, W
 
 void warn_hidden(const std::vector<Mode>& modes, Warnings& warnings) {
     size_t count = 0;
-    double slowest = 0;
+    double fastest = 0;
     for (const Mode& mode : modes)
         if (mode.numbers.frequency == 0 && mode.numbers.bracket > 0)
-            ++count, slowest = std::max(slowest, mode.numbers.bracket);
+            ++count, fastest = std::max(fastest, mode.numbers.bracket);
     if (count > 0)
         warnings.add(
             "slow-motion",
-            fmt::format("{} listed with 0 Hz may vibrate or grow as slowly as at {:.2g} Hz: rounding of the stiffest "
-                        "parts hides how they are held. Near a critical load a little change of it shows that",
-                        counted(count, "motion", "motions"), slowest));
+            fmt::format("{} listed with 0 Hz may vibrate or grow at up to {:.2g} Hz: rounding of the stiffest parts hides "
+                        "what holds them. Near a critical load, change the load a little",
+                        counted(count, "motion", "motions"), fastest));
 }
 
 /// Where they are asked for.

@@ -418,7 +418,7 @@ void note_beyond_limit(const Found& found, const std::vector<Channel>& channels,
 /// What moves freely where the forces have bent the machine does so under more of them, too, for they bend it more; but its
 /// places stay those at rest. A round bar between ball joints that spins about its bent axis has a factor of 1 so.
 void note_free_at_one(const Found& found, Warnings& warnings) {
-    constexpr double kNear = 0.05;  // of it: bends of few segments are known to a few per cent
+    constexpr double kNear = 0.1;  // of it: by 0.4/n² the factor of a bar of n segments was off, by 0.09 that of two
     if (!found.free || found.free->count == 0) return;
     for (const CriticalLoad& load : found.critical.factors)
         if (std::abs(load.factor - 1) < kNear)
@@ -716,9 +716,8 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
                                  place, growing_of(found)));
     if (found.free && found.free->count > 0)
         warnings.note(found.free->may_be_held() ? "free-motion-unknown" : "free-motion",
-                      fmt::format("{}{}: small motions there meet no force, so that there may be other "
-                                  "equilibria nearby",
-                                  place, found.free->text()));
+                      fmt::format("{}{}: small motions there meet {} force, so that there may be other equilibria nearby",
+                                  place, found.free->text(), found.free->may_be_held() ? "little or no" : "no"));
     if (!found.why_free_unknown.empty())
         warnings.note("free-motion-unknown",
                       fmt::format("{}it is not known what nothing holds: {}", place, found.why_free_unknown));

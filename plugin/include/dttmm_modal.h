@@ -48,8 +48,8 @@ typedef struct dttmm_modal dttmm_modal;
 typedef struct dttmm_mode {
     double frequency; /* [Hz]; 0 for a rigid-body mode; negative: no vibration, it grows as exp(2 pi |frequency| t) */
     double bracket; /* the count of frequencies changes by the multiplicity within this relative distance, and what rounding
-                       of stiff parts may have moved lies within it too. Of a rigid-body mode: [Hz], as slowly it may
-                       vibrate or grow for all that can be told; 0: nothing strains */
+                       of stiff parts may have moved lies within it too. Of a rigid-body mode:
+                       how fast it may vibrate or grow at most [Hz]; 0: nothing strains it */
     uint32_t multiplicity;
     double residual; /* last pivot of the overall transfer matrix, full pivoting, as share of what it is 0.1 % beside;
                         where the machine is too large for that, what the quotient leaves by which the frequency was

@@ -61,9 +61,10 @@ double least_bending(const Section& section) {
 }
 
 /// How far a force in local axes turns the sections against the axis by their shear: by α, whose tangent is f/(GA − N) under
-/// a force f across the axis. factor: of the stiffnesses.
+/// a force f across the axis. factor: of the stiffnesses; 0: nothing has turned them.
 Vector3 turn_of_section(const Vector3& force, double factor, const Section& section) {
     Vector3 tangents = Vector3::Zero();
+    if (factor == 0) return tangents;
     if (std::isfinite(section.GAy)) tangents.z() = -force.y() / (factor * section.GAy - force.x());
     if (std::isfinite(section.GAz)) tangents.y() = force.z() / (factor * section.GAz - force.x());
     const double size = tangents.norm();
@@ -202,14 +203,16 @@ std::vector<LineForces::Piece> LineForces::cut(int count, const Section& section
         piece.axes = axes_along(way, piece.share(0.5));
         const Bend bend = bend_of(piece, section);
         for (size_t end : {0, 1}) {
-            piece.axial[end] = at(end == 0 ? piece.from : piece.to).head<3>().dot(piece.axes.col(0));
-            piece.tangents[end] = piece.axes * rotation_from_vector<double>(bend.at_ends[end]).col(0);
+            const Vector3 force = piece.axes.transpose() * at(end == 0 ? piece.from : piece.to).head<3>();
+            piece.axial[end] = force.x();
+            const Vector3 turn = bend.at_ends[end] + turn_of_section(force, factor_, section);
+            piece.normals[end] = piece.axes * rotation_from_vector<double>(turn).col(0);
         }
-        if (i > 0) piece.tangents[0] = all.back().tangents[1] = (all.back().tangents[1] + piece.tangents[0]).normalized();
+        if (i > 0) piece.normals[0] = all.back().normals[1] = (all.back().normals[1] + piece.normals[0]).normalized();
         all.push_back(piece);
     }
-    all.front().tangents[0] = ends_[0];
-    all.back().tangents[1] = ends_[1];
+    all.front().normals[0] = ends_[0];
+    all.back().normals[1] = ends_[1];
     return all;
 }
 
@@ -227,7 +230,7 @@ LineForces::Integrands LineForces::integrands(size_t k, const Piece& piece, cons
     const Vector3 turn = bend.turns.col(as_row(k)), slope = turn.cross(e);
     const Vector6 forces = both(piece.axes.transpose()) * at(share);
     const Vector3 force = forces.head<3>();
-    const Vector3 normal = factor_ == 0 ? Vector3(Vector3::Zero()) : turn_of_section(force, factor_, section);
+    const Vector3 normal = turn_of_section(force, factor_, section);
     const Matrix3 axes = rotation_from_vector<double>(turn + normal);
 
     Integrands all;
@@ -283,10 +286,8 @@ Matrix12 LineForces::stiffness(const Piece& piece, const Section& section, const
 
 /// Whether it is as stiff in all directions, and nothing that acts on it turns with it.
 bool LineForces::is_round(const Section& section) const {
-    constexpr double kAlike = 1e-9;  // share of a stiffness
-    const auto alike = [](double a, double b) { return a == b || std::abs(a - b) <= kAlike * std::abs(a); };
-    return alike(section.EIy, section.EIz) && alike(section.GAy, section.GAz) && section.offset_y == 0 &&
-           section.offset_z == 0 && turning_.isZero(0);
+    return section.EIy == section.EIz && section.GAy == section.GAz && section.offset_y == 0 && section.offset_z == 0 &&
+           turning_.isZero(0);
 }
 
 /// The least change after which K answers a spin of all sections about their normals with the moments at the ends alone,
@@ -295,7 +296,7 @@ bool LineForces::is_round(const Section& section) const {
 void LineForces::let_spin(const Piece& piece, Matrix12& K) const {
     Vector12 spin = Vector12::Zero(), held = Vector12::Zero();
     for (int end : {0, 1}) {
-        const Vector3 t = piece.axes.transpose() * piece.tangents[as_size(end)],
+        const Vector3 t = piece.axes.transpose() * piece.normals[as_size(end)],
                       m = piece.axes.transpose() * at(end == 0 ? piece.from : piece.to).tail<3>();
         spin.segment<3>(6 * end + 3) = t;
         held.segment<3>(6 * end + 3) = (end == 0 ? -0.5 : 0.5) * m.cross(t);

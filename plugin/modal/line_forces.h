@@ -63,10 +63,10 @@ public:
     /// A piece of it that counts as straight, from share to share.
     struct Piece {
         double from, to;
-        Matrix3 axes;                     ///< as columns in world, x from end to end
-        double length;                    ///< [m]
-        std::array<double, 2> axial;      ///< force that its waves know, at its start and end [N], linear between them
-        std::array<Vector3, 2> tangents;  ///< of the bent axis at its start and end, which neighbours share; world
+        Matrix3 axes;                    ///< as columns in world, x from end to end
+        double length;                   ///< [m]
+        std::array<double, 2> axial;     ///< force that its waves know, at its start and end [N], linear between them
+        std::array<Vector3, 2> normals;  ///< of its sections at its start and end, which neighbours share; world
         double share(double t) const { return from + t * (to - from); }
     };
     /// As many pieces of it. set_sections() comes before.

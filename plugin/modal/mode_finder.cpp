@@ -271,16 +271,17 @@ void ModeFinder::find_rigid(int count, double lowest) {
     const double shift = -kWiden * lowest * lowest;  // all is fixed there
     if (!stiffness_.model().levers.empty() && !stiffness_.model().is_at_rest) refuse_growing(stiffness_, shift);
     // What slow modes leave in the shapes falls by shift/(shift + λ) per round: until what is strained is rounding
-    double strained = std::numeric_limits<double>::infinity(), before = strained;
+    double strained = std::numeric_limits<double>::infinity(), before = strained, most = 0;
     bool grows = false;
     do {
         if (iterate(shapes, shift).empty())
             throw Error(DTTMM_ERROR_NUMERIC, "the shapes of the rigid-body modes were not found");
         before = strained;
-        strained = 0;
+        strained = most = 0;
         for (const FrameVector& shape : shapes) {  // λ is twice the energy of a shape of unit modal mass
             const Strain all = sum(strain_energies(stiffness_, shape));
             strained = std::max(strained, 2 * (std::abs(all.energy) - all.unsure));
+            most = std::max(most, 2 * (std::abs(all.energy) + all.unsure));
             grows = grows || all.energy < -all.unsure;
         }
     } while (strained > 0 && strained < 0.5 * before);
@@ -301,7 +302,7 @@ void ModeFinder::find_rigid(int count, double lowest) {
     const size_t first = modes_.size();
     add({std::vector<double>(shapes.size(), 0.0), shapes, stiffness_.cuts()}, 0);
     if (!is_seen) return;
-    for (Mode& mode : std::span(modes_).subspan(first)) mode.bracket = hertz(std::sqrt(strained));
+    for (Mode& mode : std::span(modes_).subspan(first)) mode.bracket = hertz(std::sqrt(most));
 }
 
 /// Finds what an interval has, with the counts at its ends as proof.

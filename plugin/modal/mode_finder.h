@@ -15,7 +15,7 @@ namespace dttmm::plugin {
 struct Mode {
     double omega = 0;  ///< [rad/s]; 0: a rigid-body mode; negative: it grows as exp(|ω| t)
     /// Relative: the count changes by the multiplicity between ω (1 − bracket) and ω (1 + bracket), and the strain energy of
-    /// the shape makes no more of ω² than that much more or less. Of ω = 0: [Hz], as slowly it may vibrate or grow.
+    /// the shape makes no more of ω² than that much more or less. Of ω = 0: how fast it may vibrate or grow [Hz].
     double bracket = 0;
     int multiplicity = 1;
     double residual = 0;  ///< |uᵀ D(ω²) u| over ω² × modal mass, twice the kinetic energy

@@ -2438,9 +2438,9 @@ force = {:.17g}
         const nlohmann::json first = read_json(folder / "out/summary.json")["modes"][0];
         const double exact = M_PI / (2 * kL * kL) * std::sqrt(kEI / 0.7) * 1e-4;
         EXPECT_EQ(first["frequency_hz"], 0);
-        EXPECT_GT(first["bracket"].get<double>(), 0.5 * exact);
+        EXPECT_GE(first["bracket"].get<double>(), exact);
         EXPECT_LT(first["bracket"].get<double>(), 20 * exact);
-        EXPECT_THAT(ended.err, HasSubstr("1 motion listed with 0 Hz may vibrate or grow as slowly as at")) << ended.err;
+        EXPECT_THAT(ended.err, HasSubstr("1 motion listed with 0 Hz may vibrate or grow at up to")) << ended.err;
     }
 }
 

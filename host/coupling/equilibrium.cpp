@@ -312,13 +312,17 @@ Equilibrium::Attempt Equilibrium::iterate(double factor, int most_iterations) {
                 balance.residual <= std::max({RestState::kNoise * balance.noise, kBalance * balance.strongest, nothing});
             const bool is_noise = correction.size <= 1e-6 * size.extent && correction.size >= 0.5 * last &&
                                   balance.residual <= std::max(RestState::kNoise * balance.noise, 1e-9 * balance.force);
+            // The next correction is smaller than this one by more than this one is than the last (Kantorovich)
+            const double fall = std::min(correction.size / last, 1.0);
+            const bool is_found = last < kAny && fall * fall * correction.size <= kNoCorrection * size.extent &&
+                                  balance.residual <= RestState::kNoise * balance.noise;
             last = correction.size;
             falls_ = correction.falling > 0;
             if (equations_.shares_anew()) {
                 equations_.share_anew(!is_noise && correction.size > kAnew * size.extent);
                 continue;
             }
-            if (!is_small && !is_noise) continue;
+            if (!is_small && !is_noise && !is_found) continue;
             attempt.open = equations_.widest_opening();
             if (attempt.open.share > kContradiction) return attempt;
             if (equations_.release_stops()) continue;

@@ -159,16 +159,12 @@ void DynamicStiffness::build() {
         for (int l = 0; l < link_count(); ++l)
             links.push_back({joined(*this, l).from, joined(*this, l).to, as_int(joined(*this, l).rigid.size())});
         elimination_.emplace(frame_count(), links);
-        elimination_->count_negatives(kSingular);
         for (int l = 0; l < link_count(); ++l)
             for (size_t i = 0; i < joined(*this, l).rigid.size(); ++i)
                 elimination_->set_rigid(l, as_int(i), joined(*this, l).rigid[i].by_from, joined(*this, l).rigid[i].by_to);
 
         const auto fault = factor_held();
-        if (!fault) {
-            elimination_->count_negatives(0);
-            return;
-        }
+        if (!fault) return;
         if (fault->too_many)
             refuse(DTTMM_ERROR_MODEL, fault->frame,
                    fmt::format("more than {} rigid directions meet there; give some of them a stiffness",
@@ -199,7 +195,7 @@ std::optional<Elimination::Fault> DynamicStiffness::factor_held() {
         evaluate_waves(lambda, false);
         assemble();
         if (!is_finite() && times < kMostTimes) continue;
-        const auto fault = elimination_->factor();
+        const auto fault = elimination_->factor_counting(kSingular);
         if (!fault || fault->link >= 0 || times == kMostTimes) return fault;
     }
 }
@@ -331,7 +327,7 @@ void DynamicStiffness::hold_idle() {
 std::optional<int> DynamicStiffness::factor(double lambda, bool with_mass) {
     evaluate_waves(lambda, with_mass);
     assemble();
-    if (elimination_->factor()) return std::nullopt;
+    if (elimination_->factor_counting(0)) return std::nullopt;
     if (elimination_->negatives() == 0) none_below_ = std::max(none_below_, lambda);
     return elimination_->negatives();
 }
@@ -343,7 +339,7 @@ bool DynamicStiffness::factor_far_below(double lambda) {
     for (Waves& own : waves_) own.stiffness -= lambda * own.mass;
     lambda_ = lambda;
     assemble();
-    return !elimination_->factor();
+    return !elimination_->factor_counting(0);
 }
 
 std::vector<double> DynamicStiffness::solve(FrameVector& r) const {

@@ -124,9 +124,10 @@ void Elimination::set_rigid(int link, int i, const Vector6& by_from, const Vecto
 
 // ---- The factor ---------------------------------------------------------------------------------------------------------
 
-std::optional<Elimination::Fault> Elimination::factor() {
+std::optional<Elimination::Fault> Elimination::factor(std::optional<double> smallest) {
     assert(!is_factored_);
     is_factored_ = true;
+    smallest_ = smallest;
     negatives_ = 0;
     for (size_t f = 0; f < diagonal_.size(); ++f) own_size_[f] = (diagonal_[f].diagonal() - acting_[f]).cwiseAbs();
     Fault fault;
@@ -161,9 +162,9 @@ Vector6 Elimination::scale_with_rows(const Pivot& pivot) const {
 /// Full-pivot elimination of a pivot's block in the units of result.scale; rows: those of J in it. smallest: of its
 /// eigenvalues, where they are counted, as share of the largest; less is at fault.
 template <class Square>
-bool Elimination::decompose(const Pivot& pivot, const Square& block, std::span<const int> rows, double smallest,
-                            PivotBlock<Square>& result, Fault& fault) {
-    const std::optional<int> weakest = result.decompose(block, counts_ ? std::optional(smallest) : std::nullopt);
+bool Elimination::decompose(const Pivot& pivot, const Square& block, std::span<const int> rows,
+                            std::optional<double> smallest, PivotBlock<Square>& result, Fault& fault) {
+    const std::optional<int> weakest = result.decompose(block, smallest);
     if (!weakest) {
         negatives_ += result.negatives();
         return true;
@@ -176,7 +177,7 @@ bool Elimination::factor_elastic(const Pivot& pivot, Fault& fault) {
     Matrix6& own = diagonal_[as_size(pivot.frame)];
     PivotBlock<Matrix6> block;
     block.scale = motion_scale(pivot);
-    if (!decompose(pivot, own, {}, smallest_ratio_, block, fault)) return false;
+    if (!decompose(pivot, own, {}, smallest_, block, fault)) return false;
     own = block.inverse();
     for (size_t i = 0; i < pivot.neighbours.size(); ++i) {
         const auto [neighbour, index] = pivot.neighbours[i];
@@ -228,13 +229,14 @@ bool Elimination::factor_general(const Pivot& pivot, Fault& fault) {
         rows.leftCols<6>() = row_scale.asDiagonal() * open_.by[0] * motions.asDiagonal();
         rows.rightCols(count) = row_scale.asDiagonal() * open_.among * row_scale.asDiagonal();
         choose_independent(rows, kSmallTurn, choice_, rest_);
-        if (!decompose_with_rows(pivot, motions, row_scale, std::max(smallest_ratio_, kNextToNothing), fault)) {
+        const auto clearly = smallest_ ? std::optional(std::max(*smallest_, kNextToNothing)) : std::nullopt;
+        if (!decompose_with_rows(pivot, motions, row_scale, clearly, fault)) {
             choose_independent(rows, kNextToNothing, choice_, rest_);
-            if (!decompose_with_rows(pivot, motions, row_scale, smallest_ratio_, fault)) return false;
+            if (!decompose_with_rows(pivot, motions, row_scale, smallest_, fault)) return false;
         }
     } else {
         for (int k = 0; k < count; ++k) choice_.push_back(k);
-        if (!decompose_with_rows(pivot, motions, row_scale, smallest_ratio_, fault)) return false;
+        if (!decompose_with_rows(pivot, motions, row_scale, smallest_, fault)) return false;
     }
     general_[as_size(pivot.index)].inverse = block_.inverse();
     if (pivot.passed >= 0) pass_rows_on(pivot, motions);
@@ -243,8 +245,8 @@ bool Elimination::factor_general(const Pivot& pivot, Fault& fault) {
 }
 
 /// The block of a pivot with the rows of choice_.
-bool Elimination::decompose_with_rows(const Pivot& pivot, const Vector6& motions, const Column& row_scale, double smallest,
-                                      Fault& fault) {
+bool Elimination::decompose_with_rows(const Pivot& pivot, const Vector6& motions, const Column& row_scale,
+                                      std::optional<double> smallest, Fault& fault) {
     General& general = general_[as_size(pivot.index)];
     const auto n = as_row(6 + choice_.size());
     Block block = Block::Zero(n, n);

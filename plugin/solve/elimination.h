@@ -55,15 +55,12 @@ public:
         bool too_many = false;  ///< rigid directions meet here, kMostRows at most can
     };
     /// Nothing if all is well. The factor takes the place of the blocks added: for another one set_zero() comes first.
-    std::optional<Fault> factor();
-
-    /// Lets factor() also count the negative eigenvalues of K on the motions that the rigid directions leave, K of any sign:
-    /// the sum over the pivots' blocks (Haynsworth's inertia additivity) less one per rigid direction, which has one of its
-    /// own. A pivot is then at fault whose smallest eigenvalue is not more than `smallest` of its largest.
-    void count_negatives(double smallest) {
-        counts_ = true;
-        smallest_ratio_ = smallest;
-    }
+    std::optional<Fault> factor() { return factor(std::nullopt); }
+    /// Counts negative eigenvalues besides, K of any sign. A pivot is then at fault whose smallest eigenvalue is not more
+    /// than `smallest` of its largest.
+    std::optional<Fault> factor_counting(double smallest) { return factor(smallest); }
+    /// Eigenvalues of K below 0 on the motions that the rigid directions leave: the sum over the pivots' blocks
+    /// (Haynsworth's inertia additivity) less one per rigid direction, which has one of its own.
     int negatives() const { return negatives_ - rigid_count(); }
 
     /// Solves in place: r → u (6 per frame), g → q (in the order of the links' rigid directions).
@@ -93,16 +90,17 @@ private:
         Block gain;
     };
 
+    std::optional<Fault> factor(std::optional<double> smallest);
     Vector6 motion_scale(const Pivot& pivot) const;
     Vector6 scale_with_rows(const Pivot& pivot) const;
     template <class Square>
-    bool decompose(const Pivot& pivot, const Square& block, std::span<const int> rows, double smallest,
+    bool decompose(const Pivot& pivot, const Square& block, std::span<const int> rows, std::optional<double> smallest,
                    PivotBlock<Square>& result, Fault& fault);
     bool factor_elastic(const Pivot& pivot, Fault& fault);
     void fill_in(const Pivot& pivot, int coupling, size_t i, const Matrix6& update);
     bool factor_general(const Pivot& pivot, Fault& fault);
-    bool decompose_with_rows(const Pivot& pivot, const Vector6& motions, const Column& row_scale, double smallest,
-                             Fault& fault);
+    bool decompose_with_rows(const Pivot& pivot, const Vector6& motions, const Column& row_scale,
+                             std::optional<double> smallest, Fault& fault);
     void pass_rows_on(const Pivot& pivot, const Vector6& motions);
     void update_neighbours(const Pivot& pivot);
     /// Of a pivot that is not plain, on the way in and on the way back.
@@ -126,8 +124,7 @@ private:
     std::vector<Derivatives> rows_;  ///< of the rigid directions
     std::vector<General> general_;
     std::vector<Passed> passed_;
-    bool counts_ = false;
-    double smallest_ratio_ = 0;
+    std::optional<double> smallest_;  ///< of the eigenvalues, where they are counted
     int negatives_ = 0;
     // Of the pivot at hand
     std::vector<Matrix6> met_;  ///< couplings with its neighbours before their gains take their place

@@ -22,6 +22,8 @@ constexpr double kLeastShare = 1e-9;
 /// where all are moved by displacements. Of 72 cantilevers under forces of 10 to 200 EI/L² none takes more than 24 with 4,
 /// 31 with 6, and six take 61 to 2024 with 8.
 constexpr double kSwing = 4;
+/// Of the eigenvalues of one frame, as where they are not counted.
+constexpr double kSingular = 1e-13;
 
 std::vector<Link> links_inside(const Mechanism& mechanism) {
     return mechanism.assembly.inner_count() > 0 ? links_of(mechanism) : std::vector<Link>{};
@@ -29,17 +31,15 @@ std::vector<Link> links_inside(const Mechanism& mechanism) {
 
 }  // namespace
 
-StaticNetwork::StaticNetwork(const Mechanism& mechanism, Loading loading)
+StaticNetwork::StaticNetwork(const Mechanism& mechanism, Loading loading, Elimination* lent)
     : mechanism_(mechanism),
       ports_(mechanism.assembly.port_count),
       driven_(mechanism.assembly.driven_count),
       count_(mechanism.assembly.inner_count()),
       acting_{std::move(loading), Vector3::Zero(), {}},
       size_(mechanism),
-      matrix_(count_, links_inside(mechanism), least_lever(mechanism)),
+      matrix_(lent ? *lent : own_.emplace(count_, links_inside(mechanism), least_lever(mechanism))),
       hanging_(mechanism) {
-    constexpr double kSingular = 1e-13;  // as where eigenvalues are not counted
-    matrix_.count_negatives(kSingular);
     acting_.loads.assign(acting_.loading.value_count(), 0.0);
     begin();
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
@@ -280,7 +280,7 @@ void StaticNetwork::form(Ports ports, double resistance) {
             more << Vector3::Constant(kLeastShare * shift), Vector3::Constant(kLeastShare * turn);
             matrix_.add_diagonal(i, more.asDiagonal());
         }
-        const auto fault = matrix_.factor();
+        const auto fault = matrix_.factor_counting(kSingular);
         if (!fault) break;
         if (is_held) refuse_singular(mechanism_, *fault, DTTMM_ERROR_SINGULAR);
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,7 +35,8 @@ namespace dttmm::plugin {
 /// forces balance) keeps motions determined that nothing holds.
 class StaticNetwork {
 public:
-    StaticNetwork(const Mechanism& mechanism, Loading loading);
+    /// lent: a matrix of the frames inside, to work in; null: of its own.
+    StaticNetwork(const Mechanism& mechanism, Loading loading, Elimination* lent = nullptr);
     StaticNetwork(const StaticNetwork&) = delete;  // joints_ refer to its frames
     StaticNetwork& operator=(const StaticNetwork&) = delete;
 
@@ -114,7 +116,8 @@ private:
         std::vector<double> q;
     };
     Place now_, base_, kept_;  ///< base_: where the equations were formed; kept_: where to go back to
-    Elimination matrix_;
+    std::optional<Elimination> own_;
+    Elimination& matrix_;
     LoadsWithoutPotential unsymmetric_;
     HangingFrames hanging_;
     /// A joint where its frames are now.

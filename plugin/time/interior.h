@@ -93,6 +93,9 @@ public:
     }
     void refactor();
 
+    /// To work in before start().
+    Elimination& lend_matrix() { return matrix_.lend(); }
+
 private:
     void begin(InnerStart start, Ports ports, const double* accelerations, const double* loads);
     void balance_at_start(const InnerStart& start, Ports ports, const double* accelerations);

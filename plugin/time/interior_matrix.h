@@ -28,6 +28,12 @@ public:
     Elimination& elimination() { return elimination_; }
     const Elimination& elimination() const { return elimination_; }
 
+    /// To work in. It is stale then.
+    Elimination& lend() {
+        is_stale_ = true;
+        return elimination_;
+    }
+
     /// For the step to come, all frames being where they are in `at` at its end, as far as they are known. Throws
     /// Error(DTTMM_ERROR_SINGULAR); then it is stale.
     void form(const std::vector<Frame>& at);

@@ -97,7 +97,9 @@ void Network::take_up(const double* motion, double* elastic, double* damped) con
 
 // ---- At rest ------------------------------------------------------------------------------------------------------------
 
-void Network::begin_statics() { statics_ = std::make_unique<StaticNetwork>(mechanism_, loading_); }
+void Network::begin_statics() {
+    statics_ = std::make_unique<StaticNetwork>(mechanism_, loading_, interior_ ? &interior_->lend_matrix() : nullptr);
+}
 
 StaticNetwork& Network::statics() {
     if (!statics_) throw Error(DTTMM_ERROR_PHASE, "statics: begin has not been called");

@@ -699,7 +699,7 @@ std::string growing_of(const Found& found) {
 void warn_of(const Found& found, const Results& results, Warnings& warnings) {
     const std::string place = found.load_case.empty() ? "" : fmt::format("case {}: ", quote(found.load_case));
     if (found.rest.turn > kFar)
-        warnings.note("moved-far", fmt::format("{}a body has turned by {:.3g} rad: there may be other equilibria; this is "
+        warnings.note("moved-far", fmt::format("{}a part has turned by {:.3g} rad: there may be other equilibria; this is "
                                                "the one reached from the assembled machine",
                                                place, found.rest.turn));
     note_path_end(found.rest, place, warnings);

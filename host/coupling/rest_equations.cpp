@@ -87,7 +87,7 @@ void RestEquations::set_load(double factor) {
 }
 
 double RestEquations::largest_turn() const {
-    double largest = 0;
+    double largest = balance_.turn;
     for (const Eigen::Vector3d& turn : now_.turned) largest = std::max(largest, turn.norm());
     return largest;
 }
@@ -297,7 +297,7 @@ const RestEquations::Balance& RestEquations::move(double share) {
     const Networks::StaticMeasure inside = networks_.move_static(now_.at, share, wrenches_.data());
     const std::vector<double> loads = loads_on(now_.at, factor_);
     const double of_joints = joints_.take_off(now_.at, wrenches_);
-    balance_ = {inside.residual, inside.force, std::max(inside.force, of_joints), inside.noise, inside.bend};
+    balance_ = {inside.residual, inside.force, std::max(inside.force, of_joints), inside.noise, inside.bend, inside.turn};
     for (size_t b = 0; b < now_.at.size(); ++b) {
         const Eigen::Map<const Vector6> load(&loads[6 * b]);
         const Vector6 r = Eigen::Map<const Vector6>(&wrenches_[6 * b]) + load;

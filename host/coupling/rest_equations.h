@@ -56,6 +56,7 @@ public:
         double strongest = 0;  ///< the largest, those of joints included
         double noise = 0;      ///< what of a force may be rounding of places
         double bend = 0;       ///< the largest of a joint, as share of what its law holds up to
+        double turn = 0;       ///< the largest of what is inside networks, from the assembled machine [rad]
     };
     /// Takes a share of the correction last found.
     const Balance& move(double share);

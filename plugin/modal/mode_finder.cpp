@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/error.h"
 #include "modal/shape_basis.h"
@@ -41,6 +42,11 @@ constexpr double kFinestBracket = 2.5e-11, kWidestBracket = 1e-5;
 /// The same where forces at rest may bring a frequency near to zero. Of 864 columns near their critical loads 52 are refused
 /// with 1e-5, 8 with 1e-4, 5 with 1e-2; 39 known to 6e-5 or less lie where their neighbours lead to, to 1 % of ω².
 constexpr double kWidestAtRest = 1e-4;
+/// Of √rounding: what rounding makes of spins with little inertia reaches so far at most, 400 with a rod of 1 mm and 10 m.
+/// At 64 Trusses fail, at 256 none.
+constexpr double kMostNoise = 1024;
+/// Not of more motions: the shapes of 90 may take 3 s.
+constexpr int kMostShapes = 100;
 /// Where the search for the first few begins, and where a model of finitely many masses has no more [rad/s]. Range 0.06 to
 /// 600 and 1e10 to 1e14, none fails.
 constexpr double kFirstTrial = 2 * M_PI, kFastest = 1e12;
@@ -69,7 +75,45 @@ std::string ModeFinder::of_load() const {
     return ", or change the load a little where it is near a critical one: there a frequency goes through zero";
 }
 
-double ModeFinder::lowest_for(double below) const { return std::max(std::sqrt(rounding()), kLowest * below); }
+double ModeFinder::lowest_for(double below) {
+    const double base = std::sqrt(rounding());
+    return std::max({base, quiet(), kLowest * below});
+}
+
+/// Where counts begin to hold. The spin of a thin rod between joints has so little inertia that rounding makes more of its
+/// λ than rounding() says. What counts say there is noise, and no motion that they count strains anything. [after cut()]
+double ModeFinder::quiet() {
+    if (quiet_) return *quiet_;
+    const double base = std::sqrt(rounding());
+    quiet_ = base;
+    const auto count = [&](double omega) {
+        try {
+            return count_at(omega);
+        } catch (const Error&) {
+            return -1;
+        }
+    };
+    std::vector<std::pair<double, int>> counts;  // from the highest on, where the count is another
+    for (double probe = base * kMostNoise; probe >= base; probe /= kWiden) {
+        const int here = count(probe);
+        if (counts.empty() || counts.back().second != here) counts.emplace_back(probe, here);
+        if (here == 0) break;  // nothing is free, nor grows
+    }
+    if (counts.size() == 1 && stiffness_.count(-kWiden * base * base) == 0) return base;
+    for (const auto& [probe, number] : counts)
+        if (number > 0 && number <= kMostShapes && are_free(number, probe)) return *(quiet_ = probe);
+    return base;
+}
+
+/// Whether so many motions below a frequency are strained by no more than rounding.
+bool ModeFinder::are_free(int count, double probe) {
+    std::vector<FrameVector> shapes = random_shapes(as_size(count));
+    try {
+        return iterate_free(shapes, -kWiden * probe * probe).surely <= kStrain * rounding();
+    } catch (const Error&) {
+        return false;
+    }
+}
 
 /// A frequency hit to rounding has no count: a little beside it there is one.
 int ModeFinder::count_at(double omega) {
@@ -126,7 +170,9 @@ std::vector<Mode> ModeFinder::find_first(int count) {
 int ModeFinder::count_growing(int slack) {
     stiffness_.cut(0);
     if (stiffness_.stiffest() == 0) return 0;
-    const double shift = slack == 1 ? 0 : -(slack == 0 ? kWiden : slack) * rounding();
+    const double lowest = slack == 0 ? lowest_for(0) : 0;
+    stiffness_.cut(0);
+    const double shift = slack == 1 ? 0 : slack == 0 ? -kWiden * lowest * lowest : -slack * rounding();
     // An eigenvalue hit to rounding has no count; beside it, by what rounding may make of one, there is one
     for (const double at : {shift, shift - rounding()})
         if (const auto count = stiffness_.count(at)) return *count;
@@ -265,27 +311,32 @@ std::vector<double> ModeFinder::iterate(std::vector<FrameVector>& shapes, double
     return lambdas;
 }
 
+ModeFinder::Strained ModeFinder::iterate_free(std::vector<FrameVector>& shapes, double shift) {
+    // What slow modes leave in the shapes falls by shift/(shift + λ) per round: until what is strained is rounding
+    Strained found{std::numeric_limits<double>::infinity(), 0, false};
+    double before;
+    do {
+        if (iterate(shapes, shift).empty())
+            throw Error(DTTMM_ERROR_NUMERIC, "the shapes of the rigid-body modes were not found");
+        before = found.surely;
+        found.surely = found.most = 0;
+        for (const FrameVector& shape : shapes) {  // λ is twice the energy of a shape of unit modal mass
+            const Strain all = sum(strain_energies(stiffness_, shape));
+            found.surely = std::max(found.surely, 2 * (std::abs(all.energy) - all.unsure));
+            found.most = std::max(found.most, 2 * (std::abs(all.energy) + all.unsure));
+            found.grows = found.grows || all.energy < -all.unsure;
+        }
+    } while (found.surely > 0 && found.surely < 0.5 * before);
+    found.surely = std::min(found.surely, before);
+    return found;
+}
+
 void ModeFinder::find_rigid(int count, double lowest) {
     if (count == 0) return;
     std::vector<FrameVector> shapes = random_shapes(as_size(count));
     const double shift = -kWiden * lowest * lowest;  // all is fixed there
     if (!stiffness_.model().levers.empty() && !stiffness_.model().is_at_rest) refuse_growing(stiffness_, shift);
-    // What slow modes leave in the shapes falls by shift/(shift + λ) per round: until what is strained is rounding
-    double strained = std::numeric_limits<double>::infinity(), before = strained, most = 0;
-    bool grows = false;
-    do {
-        if (iterate(shapes, shift).empty())
-            throw Error(DTTMM_ERROR_NUMERIC, "the shapes of the rigid-body modes were not found");
-        before = strained;
-        strained = most = 0;
-        for (const FrameVector& shape : shapes) {  // λ is twice the energy of a shape of unit modal mass
-            const Strain all = sum(strain_energies(stiffness_, shape));
-            strained = std::max(strained, 2 * (std::abs(all.energy) - all.unsure));
-            most = std::max(most, 2 * (std::abs(all.energy) + all.unsure));
-            grows = grows || all.energy < -all.unsure;
-        }
-    } while (strained > 0 && strained < 0.5 * before);
-    strained = std::min(strained, before);
+    const auto [strained, most, grows] = iterate_free(shapes, shift);
     const bool is_seen = strained > kStrain * lowest * lowest;
     // Forces at rest balance to some digits only: what they leave of a motion that nothing holds is no reason to refuse it
     const bool is_hidden = stiffness_.model().is_at_rest && strained <= kWiden * kWiden * rounding();

@@ -64,8 +64,16 @@ private:
     };
 
     double rounding() const;
+    double quiet();
+    bool are_free(int count, double probe);
+    /// Of shapes below a frequency at which they were counted, λ by their strain: sizes beyond its rounding, and with it.
+    struct Strained {
+        double surely, most;
+        bool grows;  ///< one of them, surely
+    };
+    Strained iterate_free(std::vector<FrameVector>& shapes, double shift);
     std::string of_load() const;
-    double lowest_for(double below) const;
+    double lowest_for(double below);
     int count_at(double omega);
     void find_until(double below, size_t wanted);
     void find_rigid(int count, double lowest);
@@ -92,6 +100,7 @@ private:
     int growing_ = 0;               ///< motions that grow
     /// Of λ: −1 while those that grow are looked for, ω² being −λ and all counts those of smaller ω.
     double sign_ = 1;
+    std::optional<double> quiet_;  ///< where counts begin to hold [rad/s]; nothing: not looked at yet
     uint64_t seed_ = 1;
 };
 

@@ -70,6 +70,11 @@ void refuse_singular(const Mechanism& mechanism, const Elimination::Fault& fault
     }
     const std::vector<int>& first_joint = mechanism.assembly.first_joint;
     const Joint& joint = mechanism.joints[as_size(fault.link)];
+    if (fault.too_many)
+        throw Error(status,
+                    fmt::format("{}: more than {} rigid directions meet there; give some of them a stiffness", frame.name(),
+                                Elimination::kMostRows),
+                    joint.element());
     int direction = 0;
     for_each_rigid(joint, [&](int i, int d) {
         if (i == fault.rigid) direction = d;

@@ -387,8 +387,19 @@ StaticNetwork::Measure StaticNetwork::move(Ports ports, double share) {
     place_joints();
     find_residuals();
     Measure found = measure();
+    found.turn = largest_turn();
     for (const auto& [placed, rest] : joints_) found.bend = std::max(found.bend, placed.joint.law().used(placed.x));
     return found;
+}
+
+/// Of a frame inside, from where it was assembled.
+double StaticNetwork::largest_turn() const {
+    double least = 3;  // trace of a rotation
+    for (auto f = as_size(driven_); f < now_.frames.size(); ++f) {
+        const Matrix3 start = mechanism_.assembly.frames[f].pose.rotation;
+        least = std::min(least, FrameView(now_.frames[f]).axes().cwiseProduct(start).sum());
+    }
+    return std::acos(std::clamp(0.5 * (least - 1), -1.0, 1.0));
 }
 
 /// Takes ports to where they are given, and the inside by a share of the correction.

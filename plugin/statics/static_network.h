@@ -97,6 +97,7 @@ private:
     Matrix6 resistance_of(int frame) const;
     void find_residuals();
     Measure measure() const;
+    double largest_turn() const;
     void add_port_motion(std::span<const Vector6> motion);
 
     const Mechanism& mechanism_;

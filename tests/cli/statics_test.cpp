@@ -105,6 +105,13 @@ TEST(Statics, AnEndMomentBendsABarIntoACircle) {
     EXPECT_LT(before, 2e-5);
 }
 
+// Oracle: the end turns by M L/EI, in a machine without a body.
+TEST(Statics, APartInsideANetworkThatTurnsFarIsNoted) {
+    EXPECT_THAT(rest_of(bar(20, 0, 2.5)).told, HasSubstr("a part has turned by 2.5 rad"));
+    EXPECT_THAT(rest_of(bar(20, 0, 0.31)).told, HasSubstr("a part has turned by 0.31 rad"));
+    EXPECT_THAT(rest_of(bar(20, 0, 0.29)).told, testing::Not(HasSubstr("has turned")));
+}
+
 // Oracle: closed forms of a uniform bar under a moment M at its end, EI = GJ = 1 N m², L = 1 m: twisted by M, or bent into
 // an arc of the angle M. Every segment turns by M/40 only. The arc is a polygon of 40 chords: 1e-3 of its error.
 TEST(Statics, ABodyAtTheEndOfABarTurnsFar) {
@@ -475,8 +482,8 @@ TEST(Statics, MotorsCountTheirFullTurns) {
 }
 
 TEST(Statics, TheTurnOfABodyIsToldWithItsFullTurns) {
-    EXPECT_THAT(rest_of(twisted_by_motor("", 4.5)).told, HasSubstr("a body has turned by 4.5 rad"));
-    EXPECT_THAT(rest_of(twisted_by_motor("", -11.9)).told, HasSubstr("a body has turned by 11.9 rad"));
+    EXPECT_THAT(rest_of(twisted_by_motor("", 4.5)).told, HasSubstr("a part has turned by 4.5 rad"));
+    EXPECT_THAT(rest_of(twisted_by_motor("", -11.9)).told, HasSubstr("a part has turned by 11.9 rad"));
 }
 
 // A support takes a bar along as a rigid body: no forces, so that none are known badly. A load makes some.

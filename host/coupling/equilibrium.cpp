@@ -312,9 +312,10 @@ Equilibrium::Attempt Equilibrium::iterate(double factor, int most_iterations) {
                 balance.residual <= std::max({RestState::kNoise * balance.noise, kBalance * balance.strongest, nothing});
             const bool is_noise = correction.size <= 1e-6 * size.extent && correction.size >= 0.5 * last &&
                                   balance.residual <= std::max(RestState::kNoise * balance.noise, 1e-9 * balance.force);
-            // The next correction is smaller than this one by more than this one is than the last (Kantorovich)
-            const double fall = std::min(correction.size / last, 1.0);
-            const bool is_found = last < kAny && fall * fall * correction.size <= kNoCorrection * size.extent &&
+            // The next correction: of Newton's iteration the shares by which they fall are squared (Kantorovich)
+            const double fall = last < kAny ? std::min(correction.size / last, 1.0) : 1;
+            const bool is_newton = resistance_ <= equations_.least_resistance();
+            const bool is_found = (is_newton ? fall * fall : fall) * correction.size <= kNoCorrection * size.extent &&
                                   balance.residual <= RestState::kNoise * balance.noise;
             last = correction.size;
             falls_ = correction.falling > 0;

@@ -215,7 +215,8 @@ void Networks::begin_statics() {
     for (size_t n = 0; n < exchange_.instances().size(); ++n)
         exchange_.tell_place(n, [&] {
             if (!exchange_.instances()[n].has_statics())
-                exchange_.instances()[n].blame("it knows no equilibrium: it is without the extension " DTTMM_STATIC);
+                exchange_.instances()[n].blame("it knows no equilibrium: it is without the extension " DTTMM_STATIC
+                                               "; a damped run comes to rest without");
             exchange_.instances()[n].begin_statics();
         });
 }

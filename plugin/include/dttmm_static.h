@@ -26,10 +26,10 @@ typedef struct dttmm_static_measure {
     double force;    /* the largest of an element or load [N]; moments divided by the span of the network */
     double noise;    /* what of the residual may be rounding [N] */
     double shift;    /* the largest of a point inside by the whole correction [m] */
-    double turn;     /* the largest of an element or node inside [rad]: after correct by the whole correction; after move from
-                        the assembled machine, at most half a turn */
-    double bend;     /* the largest turn or shift of the ends of a joint against each other, as share of that up to which its
-                        law holds: after correct what the whole correction changes, after move what it is */
+    double turn; /* the largest of an element or node inside [rad]: after correct by the whole correction; after move from
+                    the assembled machine, at most half a turn */
+    double bend; /* the largest turn or shift of the ends of a joint against each other, as share of that up to which its
+                    law holds: after correct what the whole correction changes, after move what it is */
     int32_t element; /* of the largest shift; -1: none */
     int32_t falling; /* after correct: negative eigenvalues of the stiffness inside, bodies held; 0: not known, or none */
 } dttmm_static_measure;

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/loose_motion.h"
 #include "core/state_vector.h"
 
 namespace dttmm::plugin {
@@ -214,11 +215,7 @@ void DynamicStiffness::refuse_loose(int frame, int direction) const {
                            "less than 1e-14 of what acts in its other directions; bring the stiffnesses nearer to each "
                            "other, or make the stiffest directions rigid",
                            name));
-    refuse(
-        DTTMM_ERROR_MODEL, frame,
-        fmt::format("nothing determines its motion in {} (world axes): it has no mass, and no element holds it there; give "
-                    "it a stiffness, a mass or a `fixed` direction, or leave the direction out of dofs",
-                    name));
+    refuse(DTTMM_ERROR_MODEL, frame, nothing_determines(direction, "world", true) + ", or leave the direction out of dofs");
 }
 
 /// Whether rigid direction number i of a link says what the others, of all links together, say.
@@ -422,15 +419,6 @@ double DynamicStiffness::stiffest() const {
     if (largest == 0)  // what hangs or stands on joints, and turns against springs
         return std::max(model_.stiffest_turning(), model_.stiffest_hinge());
     return model_.total_mass > 0 ? largest / model_.total_mass : 0;
-}
-
-void refuse_growing(DynamicStiffness& stiffness, double lambda) {
-    const std::optional<int> growing = stiffness.count(lambda);
-    if (growing && *growing > 0)
-        throw Error(DTTMM_ERROR_MODEL,
-                    fmt::format("{} of its motions would grow, not vibrate: the forces of its springs at the start drive it "
-                                "away from there",
-                                *growing));
 }
 
 }  // namespace dttmm::plugin

@@ -156,7 +156,4 @@ private:
     double none_below_ = -std::numeric_limits<double>::infinity();  ///< the largest λ known to have no frequency below it
 };
 
-/// Counts at λ < 0 [1/s²]. Throws Error(DTTMM_ERROR_MODEL) if motions grow faster than that allows.
-void refuse_growing(DynamicStiffness& stiffness, double lambda);
-
 }  // namespace dttmm::plugin

@@ -309,13 +309,12 @@ void ModalAnalysis::respond(double frequency, std::span<const std::span<const dt
     const std::vector<Drive> loads = drives(cases);
     const double omega = 2 * M_PI * frequency;
     const int free = frequency == 0 ? ModeFinder(stiffness_).count_rigid() : 0;
+    if ((!model_.levers.empty() || model_.is_at_rest) && !is_stable_) ModeFinder(stiffness_).refuse_growing();
+    is_stable_ = true;
     const bool moves_supports = std::ranges::any_of(loads, [](const Drive& drive) { return !drive.supports.empty(); });
     cut_and_damp(omega, ratios_.below);  // but for damping, here pieces only keep numbers small
     if (moves_supports && damping_ && damping_->followed.empty()) follow_supports();
     at_ = -1;
-    if ((!model_.levers.empty() || model_.is_at_rest) && !is_stable_)
-        refuse_growing(stiffness_, -1e-11 * stiffness_.stiffest());
-    is_stable_ = true;
     if (free > 0) {
         const std::vector<Response> responses = respond_at_rest(free, loads);
         for (size_t c = 0; c < cases.size(); ++c) write(responses[c], c, result);

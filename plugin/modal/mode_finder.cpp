@@ -179,6 +179,16 @@ int ModeFinder::count_growing(int slack) {
     throw Error(DTTMM_ERROR_NUMERIC, "the motions that grow cannot be counted");
 }
 
+void ModeFinder::refuse_growing() { refuse(count_growing(0)); }
+
+void ModeFinder::refuse(int growing) const {
+    if (growing == 0) return;
+    throw Error(DTTMM_ERROR_MODEL, fmt::format("{} of its motions would grow, not vibrate: {}", growing,
+                                               stiffness_.model().is_at_rest
+                                                   ? "its equilibrium is unstable"
+                                                   : "the forces of its springs at the start drive it away from there"));
+}
+
 /// Where nothing is stiff, all that has a mass is free.
 int ModeFinder::count_free() {
     stiffness_.cut(0);
@@ -335,7 +345,7 @@ void ModeFinder::find_rigid(int count, double lowest) {
     if (count == 0) return;
     std::vector<FrameVector> shapes = random_shapes(as_size(count));
     const double shift = -kWiden * lowest * lowest;  // all is fixed there
-    if (!stiffness_.model().levers.empty() && !stiffness_.model().is_at_rest) refuse_growing(stiffness_, shift);
+    if (!stiffness_.model().levers.empty() && !stiffness_.model().is_at_rest) refuse(stiffness_.count(shift).value_or(0));
     const auto [strained, most, grows] = iterate_free(shapes, shift);
     const bool is_seen = strained > kStrain * lowest * lowest;
     // Forces at rest balance to some digits only: what they leave of a motion that nothing holds is no reason to refuse it

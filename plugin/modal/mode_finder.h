@@ -46,6 +46,8 @@ public:
     std::vector<Mode> find_first(int count);
     /// The number of motions that grow; slack as in dttmm_modal.h.
     int count_growing(int slack);
+    /// Throws Error(DTTMM_ERROR_MODEL) where motions grow.
+    void refuse_growing();
     /// The number of motions that nothing holds, or so little that rounding hides it.
     int count_free();
     /// The same with the motions that grow.
@@ -63,6 +65,7 @@ private:
         int cuts;  ///< of the lines when the shapes were found
     };
 
+    void refuse(int growing) const;
     double rounding() const;
     double quiet();
     bool are_free(int count, double probe);

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/index.h"
+#include "core/loose_motion.h"
 #include "core/rotation.h"
 #include "core/rounding.h"
 #include "core/state_vector.h"
@@ -59,14 +60,9 @@ const Joint* rigid_beside(const Mechanism& mechanism, std::pair<int, int> frames
 void refuse_singular(const Mechanism& mechanism, const Elimination::Fault& fault, dttmm_status status) {
     const FrameSpec& frame = mechanism.assembly.frames[as_size(mechanism.assembly.driven_count + fault.frame)];
     if (fault.direction >= 0) {
-        const bool is_massless = fault.direction < 3 ? frame.mass == 0 : frame.inertia.isZero(0);
-        throw Error(
-            status,
-            fmt::format("{}: nothing determines its motion in {} (its own axes): {}no element holds it there; give "
-                        "it a stiffness, a mass or "
-                        "a `fixed` direction",
-                        frame.name(), kDirectionNames[as_size(fault.direction)], is_massless ? "it has no mass, and " : ""),
-            frame.element);
+        const bool lacks = fault.direction < 3 ? frame.mass == 0 : frame.inertia.isZero(0);
+        throw Error(status, fmt::format("{}: {}", frame.name(), nothing_determines(fault.direction, "its own", lacks)),
+                    frame.element);
     }
     const std::vector<int>& first_joint = mechanism.assembly.first_joint;
     const Joint& joint = mechanism.joints[as_size(fault.link)];

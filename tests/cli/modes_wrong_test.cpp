@@ -150,7 +150,7 @@ stiffness = [1e5, 0, 0]
     with_node.replace(with_node.find("b = "), 0, "c = [2, 0, 0]\n");
     expect_refused(modes_with(with_node), 3,
                    AllOf(HasSubstr("element \"loose\""), HasSubstr("node \"c\""), HasSubstr("nothing determines its motion"),
-                         HasSubstr("it has no mass")));
+                         HasSubstr("it has no inertia")));
 }
 
 TEST(ModesWrong, ABeamAtAnAngleToTheDirectionsLeft) {

@@ -230,7 +230,7 @@ const NetworkFault kNetworkFaults[] = {
     {"MasslessOnATranslationSpring", "[[load]]",
      kTip + "[[element]]\nname = \"wire\"\ntype = \"spring_damper\"\nfrom = \"corner\"\nto = \"tip\"\nstiffness = 1e5\n"
             "[[load]]",
-     "54:1", "node \"tip\": nothing determines its motion in", "it has no mass, and no element holds it there"},
+     "54:1", "node \"tip\": nothing determines its motion in", "it has no inertia, and no element holds it there"},
     {"PointThatMayTurn", "[[load]]",
      kTip + "[[element]]\nname = \"ball\"\ntype = \"point_mass\"\nat = \"tip\"\nmass = 1\n[[load]]", "54:1",
      "node \"tip\": nothing determines its motion in r", "no element holds it there"},

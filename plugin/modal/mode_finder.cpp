@@ -80,12 +80,15 @@ double ModeFinder::lowest_for(double below) {
     return std::max({base, quiet(), kLowest * below});
 }
 
-/// Where counts begin to hold. The spin of a thin rod between joints has so little inertia that rounding makes more of its
-/// λ than rounding() says. What counts say there is noise, and no motion that they count strains anything. [after cut()]
+/// Where counts begin to hold. By another finder: frequencies do not hang on what it has looked at. [after cut()]
 double ModeFinder::quiet() {
-    if (quiet_) return *quiet_;
-    const double base = std::sqrt(rounding());
-    quiet_ = base;
+    if (!quiet_) quiet_ = ModeFinder(stiffness_).look_for_noise(std::sqrt(rounding()));
+    return *quiet_;
+}
+
+/// The spin of a thin rod between joints has so little inertia that rounding makes more of its λ than rounding() says. What
+/// counts say there is noise, and no motion that they count strains anything.
+double ModeFinder::look_for_noise(double base) {
     const auto count = [&](double omega) {
         try {
             return count_at(omega);
@@ -101,7 +104,7 @@ double ModeFinder::quiet() {
     }
     if (counts.size() == 1 && stiffness_.count(-kWiden * base * base) == 0) return base;
     for (const auto& [probe, number] : counts)
-        if (number > 0 && number <= kMostShapes && are_free(number, probe)) return *(quiet_ = probe);
+        if (number > 0 && number <= kMostShapes && are_free(number, probe)) return probe;
     return base;
 }
 

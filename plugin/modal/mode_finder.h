@@ -68,6 +68,7 @@ private:
     void refuse(int growing) const;
     double rounding() const;
     double quiet();
+    double look_for_noise(double base);
     bool are_free(int count, double probe);
     /// Of shapes below a frequency at which they were counted, λ by their strain: sizes beyond its rounding, and with it.
     struct Strained {

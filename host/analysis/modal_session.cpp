@@ -128,7 +128,7 @@ void note_rest(const Model& model, const ModalMachine& machine, Warnings& warnin
     }
     warn_nonconservative(model, machine, warnings);
     if (machine.rest()) {
-        note_path_end(*machine.rest(), "", warnings);
+        note_path_end(*machine.rest(), machine.nonconservative().empty(), "", warnings);
         warn_unbalanced(*machine.rest(), "", warnings);
     }
     for (const RestLimit& limit : machine.limits_at_rest())
@@ -210,13 +210,23 @@ bool is_strained(const Model& model, const ModalMachine& machine) {
 
 }  // namespace
 
-void note_path_end(const RestState& rest, const std::string& place, Warnings& warnings) {
-    if (rest.path_ends_at)
-        warnings.note("load-path-ends",
-                      fmt::format("{}as the loads grow from zero the machine becomes unstable at {:.4g} of them, or before, "
-                                  "and moves on to another equilibrium; this is one under the full loads, and there may be "
-                                  "others",
-                                  place, *rest.path_ends_at));
+void note_path_end(const RestState& rest, bool has_potential, const std::string& place, Warnings& warnings) {
+    if (!rest.path_ends_at) return;
+    const std::string share = fmt::format("{:.4g} of them", *rest.path_ends_at),
+                      what = has_potential ? fmt::format(
+                                                 "the machine becomes unstable at {}, or before, and moves on to another "
+                                                 "equilibrium",
+                                                 share)
+                                           : fmt::format(
+                                                 "the machine was followed up to {}, where motions begin to grow with "
+                                                 "the symmetric part of the stiffness of loads. A load has no "
+                                                 "potential, and it is not decided whether the machine moves on there",
+                                                 share);
+    warnings.note(
+        "load-path-ends",
+        fmt::format("{}as the loads grow from zero {}; this is one equilibrium under the full loads, and there may be "
+                    "others",
+                    place, what));
 }
 
 void note_velocities(const Model& model, const char* code, const char* what, Warnings& warnings) {

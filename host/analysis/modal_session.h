@@ -14,8 +14,9 @@ namespace dttmm::host {
 /// Notes what of the model is not in its natural frequencies: gravity and lasting loads.
 void warn_preload(const Model& model, Warnings& warnings);
 
-/// Notes where the machine leaves the equilibria that a growing load leads through. place: its case, before the text.
-void note_path_end(const RestState& rest, const std::string& place, Warnings& warnings);
+/// Notes where the machine leaves the equilibria that a growing load leads through. has_potential: all loads have one.
+/// place: its case, before the text.
+void note_path_end(const RestState& rest, bool has_potential, const std::string& place, Warnings& warnings);
 
 /// Notes bodies and nodes that turn at the start: what their turning does is in no small vibration and in no rest. `code`;
 /// `what` follows their name.

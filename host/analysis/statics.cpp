@@ -702,7 +702,7 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
         warnings.note("moved-far", fmt::format("{}a part has turned by {:.3g} rad: there may be other equilibria; this is "
                                                "the one reached from the assembled machine",
                                                place, found.rest.turn));
-    note_path_end(found.rest, place, warnings);
+    note_path_end(found.rest, found.without_potential.empty(), place, warnings);
     if (!found.rest.open.empty())
         warnings.add("joint-open", fmt::format("{}{} where the machine rests: joints do not quite agree with each other",
                                                place, found.rest.open));

@@ -105,6 +105,14 @@ TEST(Statics, AnEndMomentBendsABarIntoACircle) {
     EXPECT_LT(before, 2e-5);
 }
 
+// Oracle: an arc of any angle is an equilibrium under a moment that grows; none lies beside it.
+TEST(Statics, AMomentWithoutAPotentialDoesNotDecideWhereItsPathEnds) {
+    const AtRest rest = rest_of(bar(16, 0, 2 * M_PI));
+    ASSERT_TRUE(rest.summary.contains("load_path_ends_at"));
+    EXPECT_THAT(rest.told, HasSubstr("it is not decided whether the machine moves on there"));
+    EXPECT_THAT(rest.told, testing::Not(HasSubstr("the machine becomes unstable at")));
+}
+
 // Oracle: the end turns by M L/EI, in a machine without a body.
 TEST(Statics, APartInsideANetworkThatTurnsFarIsNoted) {
     EXPECT_THAT(rest_of(bar(20, 0, 2.5)).told, HasSubstr("a part has turned by 2.5 rad"));

@@ -39,7 +39,10 @@ StaticNetwork::StaticNetwork(const Mechanism& mechanism, Loading loading, Elimin
       acting_{std::move(loading), Vector3::Zero(), {}},
       size_(mechanism),
       matrix_(lent ? *lent : own_.emplace(count_, links_inside(mechanism), least_lever(mechanism))),
-      hanging_(mechanism) {
+      hanging_(mechanism),
+      is_massless_(ports_ == 0 && std::ranges::all_of(mechanism.assembly.frames, [](const FrameSpec& frame) {
+                       return frame.mass == 0 && frame.inertia.isZero(0);
+                   })) {
     acting_.loads.assign(acting_.loading.value_count(), 0.0);
     begin();
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
@@ -262,6 +265,8 @@ void StaticNetwork::form(Ports ports, double resistance) {
     if (joints_.empty()) place_joints();
     find_residuals();
     base_residual_ = residual_;
+    // Where nothing has a mass: of the stiffness that holds a frame, as if all vibrated at 10 rad/s; any ω serves
+    const double of_massless = is_massless_ ? 0.01 * resistance_ : 0;
     for (const bool is_held : {false, true}) {
         matrix_.set_zero();
         for (size_t j = 0; j < mechanism_.joints.size(); ++j) add_joint(j);
@@ -273,11 +278,12 @@ void StaticNetwork::form(Ports ports, double resistance) {
                 matrix_.add_acting(i,
                                    acting_.loading.stiffness(driven_ + i, at, FrameView(at).origin(), acting_.loads.data()));
             }
-            if (!is_held) continue;
+            const double share = of_massless + (is_held ? kLeastShare : 0);
+            if (share == 0) continue;
             const double shift = own.topLeftCorner<3, 3>().cwiseAbs().trace(), arm = size_.reach[as_size(i)],
                          turn = std::max(own.bottomRightCorner<3, 3>().cwiseAbs().trace(), arm * arm * shift);
             Vector6 more;
-            more << Vector3::Constant(kLeastShare * shift), Vector3::Constant(kLeastShare * turn);
+            more << Vector3::Constant(share * shift), Vector3::Constant(share * turn);
             matrix_.add_diagonal(i, more.asDiagonal());
         }
         const auto fault = matrix_.factor_counting(kSingular);

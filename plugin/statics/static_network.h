@@ -32,7 +32,8 @@ namespace dttmm::plugin {
 /// problem, Comput. Methods Appl. Mech. Engrg. 313, 986-1005.
 ///
 /// A small resistance s M against every correction (a proximal term: it slows the iteration down, and moves nothing once
-/// forces balance) keeps motions determined that nothing holds.
+/// forces balance) keeps motions determined that nothing holds. Where nothing has a mass it is a share of the stiffness that
+/// holds a frame.
 class StaticNetwork {
 public:
     /// lent: a matrix of the frames inside, to work in; null: of its own.
@@ -121,6 +122,7 @@ private:
     Elimination& matrix_;
     LoadsWithoutPotential unsymmetric_;
     HangingFrames hanging_;
+    bool is_massless_;  ///< frames and ports
     /// A joint where its frames are now.
     struct Resting {
         PlacedJoint placed;

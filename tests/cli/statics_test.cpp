@@ -1309,6 +1309,49 @@ force = {}
     }
 }
 
+// Oracle: 3 k (l0 - l) z/l balances the force, z the height of the apex: the last height beyond the force at z = h/sqrt(3).
+// There is no mass and no body.
+TEST(Statics, ATripodOfSpringsAndANodeSnapsThrough) {
+    const Eigen::Matrix3d turn =
+        (Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(-1.1, Eigen::Vector3d::UnitY()))
+            .toRotationMatrix();
+    const auto list = [](const Eigen::Vector3d& p) {
+        return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", p.x(), p.y(), p.z());
+    };
+    constexpr double k = 3e5;
+    for (const double h : {0.03, 0.2}) {
+        const double l0 = std::hypot(1, h);
+        const auto force_at = [&](double z) { return 3 * k * (l0 / std::hypot(1, z) - 1) * z; };
+        const double limit = force_at(std::sqrt(std::pow(l0, 2. / 3) - 1));
+        for (const double share : {0.6, 0.98, 1.02, 1.3, 4.0}) {
+            std::string text =
+                            "format = \"dttmm/1\"\n[nodes]\napex = { position = " + list(turn * Eigen::Vector3d(0, 0, h)) +
+                            ", fixed = [\"rx\", \"ry\", \"rz\"] }\n",
+                        springs;
+            for (int i = 0; i < 3; ++i) {
+                const double angle = 2 * M_PI / 3 * i;
+                text += fmt::format("foot{} = {{ position = {}, fixed = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"] }}\n",
+                                    i, list(turn * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0)));
+                springs += fmt::format(
+                    "[[element]]\nname = \"leg{0}\"\ntype = \"axial_spring\"\nfrom = \"foot{0}\"\n"
+                    "to = \"apex\"\nstiffness = {1}\n",
+                    i, k);
+            }
+            text += springs + fmt::format("[[load]]\non = \"apex\"\ndirection = {}\nforce = {:.17g}\n",
+                                          list(turn * -Eigen::Vector3d::UnitZ()), share * limit);
+            AtRest rest = rest_of(text);
+            const auto along = [&](const char* axis) { return rest.row[std::string("apex.position.") + axis]; };
+            const double z = turn.col(2).dot(Eigen::Vector3d(along("x"), along("y"), along("z")));
+            EXPECT_NEAR(force_at(z), share * limit, 1e-6 * limit) << h << " " << share;
+            EXPECT_EQ(z > 0, share < 1) << h << " " << share;
+            EXPECT_EQ(rest.summary.contains("load_path_ends_at"), share > 1) << h << " " << share;
+            if (share > 1) {
+                EXPECT_NEAR(rest.summary["load_path_ends_at"].get<double>(), 1 / share, 2e-3) << h;
+            }
+        }
+    }
+}
+
 TEST(Statics, ACaseThatDoesNotExistIsRefused) {
     const TemporaryFolder folder;
     write_text(folder / "m.toml",

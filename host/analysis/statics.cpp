@@ -536,8 +536,7 @@ std::string rows_of(const Results& results) {
     const bool are_named = !results.cases.front().load_case.empty();
     std::vector<Column> columns;
     if (are_named) columns.push_back({"case", ""});
-    for (const Channel& channel : results.channels) columns.push_back({channel.name(), channel.unit()});
-    CsvTable table(columns);
+    CsvTable table(columns, results.channels);
     for (const Found& found : results.cases) {
         if (are_named) table.add(found.load_case);
         table.add_all(found.row);

@@ -13,6 +13,16 @@ namespace dttmm::host {
 
 CsvTable::CsvTable(const std::vector<Column>& columns) : text_(csv_header(columns)), columns_(columns.size()) {}
 
+CsvTable::CsvTable(const std::vector<Column>& first, std::span<const Channel> channels)
+    : columns_(first.size() + channels.size()) {
+    for (const Column& column : first) add(column.name);
+    for (const Channel& channel : channels) add(channel.name());
+    end_row();
+    for (const Column& column : first) add(column.unit);
+    for (const Channel& channel : channels) add(channel.unit());
+    end_row();
+}
+
 void CsvTable::separate() {
     assert(filled_ < columns_);
     if (filled_++ > 0) text_ += ',';

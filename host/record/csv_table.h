@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "model/channel.h"
 #include "record/column.h"
 
 namespace dttmm::host {
@@ -13,6 +15,8 @@ namespace dttmm::host {
 class CsvTable {
 public:
     explicit CsvTable(const std::vector<Column>& columns);
+    /// The columns of channels behind `first`.
+    CsvTable(const std::vector<Column>& first, std::span<const Channel> channels);
 
     /// Fields of the row that is open. A number that is not there, NaN, is an empty field.
     CsvTable& add(double value);

@@ -278,7 +278,7 @@ typedef struct dttmm_plugin {
     const dttmm_element_type* element_types;
 
     /* Builds the instance for a network. Copies what it needs: the description may go after the call. Structural faults are
-     * found here. On failure *instance is NULL. */
+     * found here; motions that nothing determines at the latest by the first step. On failure *instance is NULL. */
     dttmm_status (*create)(const dttmm_network* network, dttmm_instance** instance, dttmm_error* error);
 
     /* Frees an instance; NULL is allowed. [any] */

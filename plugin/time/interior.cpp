@@ -19,7 +19,7 @@ namespace dttmm::plugin {
 
 namespace {
 
-/// At which a network is first looked at, to see that it can be solved [1/s]; 10 and 1e5 pass the same tests.
+/// At which rigid directions are first looked at, to see that they can be solved [1/s]; 10 and 1e5 pass the same tests.
 constexpr double kTrialRate = 1e3;
 /// Slower than this, as kSlow of the host's bodies, the matrix is formed anew within the step.
 constexpr double kTooSlow = 0.1;
@@ -42,6 +42,7 @@ Interior::Interior(Mechanism& mechanism, const dttmm_network& description, Loadi
     if (!mechanism.scheme.is_implicit())
         throw Error(DTTMM_ERROR_MODEL,
                     "it hangs on a node that is no body, or has a mass of its own: that wants the implicit coupling", 0);
+    if (inside_.rigid_joints.empty()) return;  // start() sees it
     form_dynamic_stiffness(inside_, mechanism.frames, kTrialRate, matrix_.elimination());
     factor_or_refuse(mechanism, matrix_.elimination(), DTTMM_ERROR_MODEL);
 }

@@ -32,8 +32,9 @@ class InnerStart;
 /// is made up for in the next step. The ports are answered linearly from where the forces were worked out.
 class Interior {
 public:
-    /// Throws Error(DTTMM_ERROR_MODEL) naming what cannot move as described: a massless node that nothing holds in some
-    /// direction, a rigid direction that is driven from both its ends; or a scheme that is explicit. Keeps the mechanism.
+    /// Throws Error(DTTMM_ERROR_MODEL) naming what cannot move as described: a rigid direction that is driven from both its
+    /// ends; or a scheme that is explicit. A massless node that nothing holds in some direction is named here or at the
+    /// start. Keeps the mechanism.
     Interior(Mechanism& mechanism, const dttmm_network& description, Loading loading);
     Interior(const Interior&) = delete;
     Interior& operator=(const Interior&) = delete;

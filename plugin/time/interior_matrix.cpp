@@ -100,7 +100,7 @@ void InteriorMatrix::form_by(const std::vector<Frame>& at) {
     for (size_t j = 0; j < mechanism.joints.size(); ++j) add_joint(j, blocks(j, at));
     for (size_t j : inside_.rigid_joints) set_rigid_rows(mechanism, j, mechanism.pose(j), mechanism.theta(j), elimination_);
     find_stiffest();
-    factor_or_refuse(mechanism, elimination_, DTTMM_ERROR_SINGULAR);
+    factor_or_refuse(mechanism, elimination_, mechanism.steps == 0 ? DTTMM_ERROR_MODEL : DTTMM_ERROR_SINGULAR);
     take_factor(at);
 }
 

@@ -77,7 +77,7 @@ SlowMotion::SlowMotion(const Inside& inside, const Elimination& pattern, const s
     form_dynamic_stiffness(inside, at, kRate, matrix_);
     make_heavier();
     hold_given();
-    factor_or_refuse(inside.mechanism, matrix_, DTTMM_ERROR_SINGULAR);
+    factor_or_refuse(inside.mechanism, matrix_, DTTMM_ERROR_MODEL);
 }
 
 /// Adds to every inertia so much that it shows beside the stiffness that holds its frame: in a slow motion it may otherwise

@@ -1294,6 +1294,7 @@ TEST(Interior, ALoopInsideIsSolved) {
 std::string refusal(const NetworkModel& model, int element) {
     try {
         DenseNetwork network(model.description());
+        network.start({0, 0, 1e-3}, nullptr, nullptr, nullptr);
     } catch (const Error& error) {
         EXPECT_EQ(error.status(), DTTMM_ERROR_MODEL) << error.what();
         EXPECT_EQ(error.element(), element) << error.what();

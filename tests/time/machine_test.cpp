@@ -325,8 +325,11 @@ TEST(Machine, BlamesTheElementOfTheWhole) {
     NetworkModel free = make_model();
     free.node("free", DTTMM_NODE_INNER, {3, 3, 3});
     free.element("thread", "spring_damper", {"c", "free"}, {{"stiffness", {1, 0, 0}}});
+    const dttmm_network network = free.description();
+    Machine machine(network);
+    const std::vector<double> accelerations(18, 0.0);
     try {
-        const Machine machine(free.description());
+        machine.start({0, 0, kMachineStep}, motions(network, 0).data(), accelerations.data(), nullptr);
         FAIL() << "a node that nothing holds was accepted";
     } catch (const Error& error) {
         EXPECT_EQ(error.element(), 7);

@@ -82,15 +82,10 @@ NetworkInstance::~NetworkInstance() {
 
 bool NetworkInstance::is_declared(const dttmm_channel& channel, const dttmm_network& network) const {
     // Names become columns and datasets: no control character, no slash.
-    const auto is_plain = [](const char* text) {
-        if (!text || !*text) return false;
-        const std::string_view all = text;
-        for (; *text; ++text)
-            if (static_cast<unsigned char>(*text) < ' ' || *text == '/' || *text == 127) return false;
-        return is_printable(all);
-    };
-    const auto is_unit = [](const char* text) { return text && *text && is_printable(text); };
-    if (!is_plain(channel.name) || !is_unit(channel.unit) || channel.role > DTTMM_ROLE_LIMIT) return false;
+    const auto is_text = [](const char* text) { return text && *text && is_printable(text); };
+    if (!is_text(channel.name) || std::strchr(channel.name, '/') || !is_text(channel.unit) ||
+        channel.role > DTTMM_ROLE_LIMIT)
+        return false;
     const bool has_energy = is_energy(static_cast<uint8_t>(channel.role));
     if (has_energy && std::strcmp(channel.unit, "J") != 0) return false;
     if (channel.role == DTTMM_ROLE_LIMIT && channel.of != DTTMM_OF_ELEMENT) return false;

@@ -20,7 +20,6 @@ namespace {
 /// Of one network: 320 MB of declarations. A beam of 100 000 segments has a tenth of them.
 constexpr uint32_t kMostChannels = 10'000'000;
 constexpr uint32_t kMostParts = 1'000'000;
-constexpr const char* kBadChannel = "an output channel is not well declared";
 
 /// As a plugin declares it: "force.x", "section3.force.x", "turn_to_limit".
 Channel channel_of(const dttmm_channel& declared, const dttmm_network& network) {
@@ -31,6 +30,25 @@ Channel channel_of(const dttmm_channel& declared, const dttmm_network& network) 
                    is_of_element ? network.elements[declared.index].name : network.nodes[declared.index].name,
                    name.substr(0, dot), name.substr(std::min(dot + 1, name.size())), declared.unit,
                    declared.role == DTTMM_ROLE_RESULT);
+}
+
+/// What is wrong with a channel as it is declared; null: nothing. Names become columns and datasets.
+const char* fault_of(const dttmm_channel& channel, const dttmm_network& network) {
+    const auto is_text = [](const char* text) { return text && *text && is_printable(text); };
+    if (!is_text(channel.name)) return "it has no name, or one that cannot be printed";
+    if (std::strchr(channel.name, '/')) return "its name has a slash";
+    if (!is_text(channel.unit)) return "it has no unit, or one that cannot be printed";
+    if (channel.role > DTTMM_ROLE_LIMIT) return "there is no such role";
+    const bool has_energy = NetworkInstance::is_energy(static_cast<uint8_t>(channel.role));
+    if (has_energy && std::strcmp(channel.unit, "J") != 0) return "energy has the unit J";
+    if (channel.of == DTTMM_OF_ELEMENT)
+        return channel.index < network.element_count ? nullptr : "there is no element of that index";
+    if (channel.of != DTTMM_OF_NODE) return "it is of neither a node nor an element";
+    if (channel.role == DTTMM_ROLE_LIMIT) return "a limit is that of an element";
+    if (channel.index >= network.node_count) return "there is no node of that index";
+    // A port's motion is its body's, and the ground's is nobody's: their columns are not the plugin's.
+    const bool is_own = has_energy || network.nodes[channel.index].kind == DTTMM_NODE_INNER;
+    return is_own ? nullptr : "its node is on a body or on the ground, whose motion is not the plugin's";
 }
 
 }  // namespace
@@ -80,21 +98,6 @@ NetworkInstance::~NetworkInstance() {
     instance_.reset();
 }
 
-bool NetworkInstance::is_declared(const dttmm_channel& channel, const dttmm_network& network) const {
-    // Names become columns and datasets: no control character, no slash.
-    const auto is_text = [](const char* text) { return text && *text && is_printable(text); };
-    if (!is_text(channel.name) || std::strchr(channel.name, '/') || !is_text(channel.unit) ||
-        channel.role > DTTMM_ROLE_LIMIT)
-        return false;
-    const bool has_energy = is_energy(static_cast<uint8_t>(channel.role));
-    if (has_energy && std::strcmp(channel.unit, "J") != 0) return false;
-    if (channel.role == DTTMM_ROLE_LIMIT && channel.of != DTTMM_OF_ELEMENT) return false;
-    if (channel.of == DTTMM_OF_ELEMENT) return channel.index < network.element_count;
-    // A port's motion is its body's, and the ground's is nobody's: their columns are not the plugin's.
-    return channel.of == DTTMM_OF_NODE && channel.index < network.node_count &&
-           (has_energy || network.nodes[channel.index].kind == DTTMM_NODE_INNER);
-}
-
 void NetworkInstance::read_blocks(const dttmm_network& network) {
     uint32_t count = 0;
     const dttmm_block* blocks = call([&] { return table_->blocks(instance_.get(), &count); });
@@ -128,11 +131,16 @@ void NetworkInstance::read_channels(const dttmm_network& network) {
     channels_.reserve(count);
     roles_.reserve(count);
     for (uint32_t c = 0; c < count; ++c) {
-        if (!channels || !is_declared(channels[c], network)) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
+        const char* const fault = channels ? fault_of(channels[c], network) : "there is no list of channels";
+        if (fault) fail(DTTMM_ERROR_INTERNAL, -1, fmt::format("output channel {} is not well declared: {}", c, fault));
         channels_.push_back(channel_of(channels[c], network));
         roles_.push_back(static_cast<uint8_t>(channels[c].role));
     }
-    if (Channel::have_duplicates(channels_)) fail(DTTMM_ERROR_INTERNAL, -1, kBadChannel);
+    if (!Channel::have_duplicates(channels_)) return;
+    std::set<std::string> names;
+    for (const Channel& channel : channels_)
+        if (const std::string name = channel.name(); !names.insert(name).second)
+            fail(DTTMM_ERROR_INTERNAL, -1, fmt::format("two output channels have the name {}", name));
 }
 
 Channel NetworkInstance::channel(size_t index) const {

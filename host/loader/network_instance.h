@@ -213,7 +213,6 @@ private:
     void read_channels(const dttmm_network& network);
     void read_parts();
     void read_lines();
-    bool is_declared(const dttmm_channel& channel, const dttmm_network& network) const;
 
     PluginLibrary plugin_;
     const dttmm_plugin* table_;

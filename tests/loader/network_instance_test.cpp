@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "loader/network_instance.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <utility>
 
 #include "loader/faulty_plugin.h"
 #include "record/error_matcher.h"
@@ -68,9 +71,12 @@ TEST(NetworkInstance, CreateThatReturnsNothingIsAFailureOfThePlugin) {
 
 // The instance is given back to the plugin: the leak check of the sanitizer build sees to that.
 TEST(NetworkInstance, AChannelWithoutUnitOwnerOrRoleIsAFailureOfThePlugin) {
-    for (const char* fault : {"bad_channel", "slash_channel", "bad_role", "port_channel", "energy_in_watts"})
-        expect_error([&] { make_joint(fault); }, ExitCode::plugin_failure,
-                     HasSubstr("an output channel is not well declared"));
+    for (const auto& [fault, reason] :
+         {std::pair("bad_channel", "it has no unit"), std::pair("slash_channel", "its name has a slash"),
+          std::pair("bad_role", "there is no such role"), std::pair("port_channel", "its node is on a body"),
+          std::pair("energy_in_watts", "energy has the unit J")})
+        expect_error([fault = fault] { make_joint(fault); }, ExitCode::plugin_failure,
+                     HasSubstr(fmt::format("output channel 0 is not well declared: {}", reason)));
 }
 
 TEST(NetworkInstance, AFailureSaysWhichElementIsBlamed) {

@@ -8,7 +8,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "core/error.h"
 #include "modal/shape_basis.h"
@@ -86,9 +85,10 @@ double ModeFinder::quiet() {
     return *quiet_;
 }
 
-/// The spin of a thin rod between joints has so little inertia that rounding makes more of its λ than rounding() says. What
-/// counts say there is noise, and no motion that they count strains anything.
+/// The spin of a thin rod between joints has so little inertia that rounding makes more of its λ than rounding() says. Where
+/// nothing that is counted far above is strained, what counts say below there is noise.
 double ModeFinder::look_for_noise(double base) {
+    if (base == 0) return base;
     const auto count = [&](double omega) {
         try {
             return count_at(omega);
@@ -96,23 +96,20 @@ double ModeFinder::look_for_noise(double base) {
             return -1;
         }
     };
-    std::vector<std::pair<double, int>> counts;  // from the highest on, where the count is another
-    for (double probe = base * kMostNoise; probe >= base; probe /= kWiden) {
-        const int here = count(probe);
-        if (counts.empty() || counts.back().second != here) counts.emplace_back(probe, here);
-        if (here == 0) break;  // nothing is free, nor grows
-    }
-    if (counts.size() == 1 && stiffness_.count(-kWiden * base * base) == 0) return base;
-    for (const auto& [probe, number] : counts)
-        if (number > 0 && number <= kMostShapes && are_free(number, probe)) return probe;
-    return base;
+    const double far = base * kMostNoise;
+    const int above = count(far);
+    if (above <= 0 || above > kMostShapes) return base;
+    bool differ = stiffness_.count(-kWiden * base * base) != 0;
+    for (double probe = far / kWiden; probe >= base && !differ; probe /= kWiden) differ = count(probe) != above;
+    return differ && are_free(above, far) ? far : base;
 }
 
 /// Whether so many motions below a frequency are strained by no more than rounding.
 bool ModeFinder::are_free(int count, double probe) {
     std::vector<FrameVector> shapes = random_shapes(as_size(count));
     try {
-        return iterate_free(shapes, -kWiden * probe * probe).surely <= kStrain * rounding();
+        const double most = stiffness_.model().is_at_rest ? kWiden * kWiden : kStrain;
+        return iterate_free(shapes, -kWiden * probe * probe).surely <= most * rounding();
     } catch (const Error&) {
         return false;
     }
@@ -172,6 +169,7 @@ std::vector<Mode> ModeFinder::find_first(int count) {
 
 int ModeFinder::count_growing(int slack) {
     stiffness_.cut(0);
+    if (stiffness_.model().total_mass == 0) return stiffness_.count(0).value_or(0);  // the same at any λ
     if (stiffness_.stiffest() == 0) return 0;
     const double lowest = slack == 0 ? lowest_for(0) : 0;
     stiffness_.cut(0);
@@ -195,6 +193,7 @@ void ModeFinder::refuse(int growing) const {
 /// Where nothing is stiff, all that has a mass is free.
 int ModeFinder::count_free() {
     stiffness_.cut(0);
+    if (stiffness_.model().total_mass == 0) return 0;
     if (stiffness_.stiffest() == 0) return stiffness_.count(1).value_or(0);
     // First: where nothing is free, nothing grows
     const int rigid = count_rigid(), free = rigid - count_growing(0);
@@ -350,7 +349,8 @@ void ModeFinder::find_rigid(int count, double lowest) {
     const double shift = -kWiden * lowest * lowest;  // all is fixed there
     if (!stiffness_.model().levers.empty() && !stiffness_.model().is_at_rest) refuse(stiffness_.count(shift).value_or(0));
     const auto [strained, most, grows] = iterate_free(shapes, shift);
-    const bool is_seen = strained > kStrain * lowest * lowest;
+    const double least = lowest > quiet() ? lowest * lowest : rounding();
+    const bool is_seen = strained > kStrain * least;
     // Forces at rest balance to some digits only: what they leave of a motion that nothing holds is no reason to refuse it
     const bool is_hidden = stiffness_.model().is_at_rest && strained <= kWiden * kWiden * rounding();
     if (is_seen && !is_hidden) {

@@ -1309,6 +1309,30 @@ force = {}
     }
 }
 
+// Oracle: across two springs under a pressure P the stiffness is k - P (1/l1 + 1/l2), 33.3 N/m less than that of a third.
+// There is no mass: this never came to an end.
+TEST(Statics, SpringsAloneThatPressANodeAsideAreUnstable) {
+    for (const double across : {30., 40.}) {
+        const auto spring = [](const char* from, double stiffness, const char* more) {
+            return fmt::format(
+                "[[element]]\nname = \"of_{0}\"\ntype = \"axial_spring\"\nfrom = \"{0}\"\nto = \"m\"\n"
+                "stiffness = {1}\n{2}",
+                from, stiffness, more);
+        };
+        const AtRest rest = rest_of(R"toml(format = "dttmm/1"
+[nodes]
+a = { position = [-1, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+b = { position = [1.5, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+c = { position = [0, 2, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+d = { position = [0, 0, 1.2], fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+m = { position = [0, 0, 0], fixed = ["rx", "ry", "rz"] }
+)toml" + spring("a", 1000, "preload = -20\n") +
+                                    spring("b", 1500, "preload = -20\n") + spring("c", across, "") + spring("d", 50, ""));
+        EXPECT_EQ(rest.summary["growing_motions"], across < 33 ? 1 : 0);
+        EXPECT_EQ(rest.told.find("the equilibrium is unstable") != std::string::npos, across < 33) << rest.told;
+    }
+}
+
 // Oracle: 3 k (l0 - l) z/l balances the force, z the height of the apex: the last height beyond the force at z = h/sqrt(3).
 // There is no mass and no body.
 TEST(Statics, ATripodOfSpringsAndANodeSnapsThrough) {

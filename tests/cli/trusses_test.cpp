@@ -114,6 +114,31 @@ TEST(Trusses, ALoadedTrussOnBallJointsIsNotUnstable) {
     }
 }
 
+// Oracle: one ball joint has a weak spring, so that its rod does not spin freely; the others do. What rounding hides is
+// refused, never listed twice. Of 900 seeds the last six were wrong where counts of a part of these motions were trusted.
+TEST(Trusses, ASlowSpinBesideFreeOnesIsRightOrRefused) {
+    int found = 0;
+    for (const unsigned seed : {1U, 2U, 3U, 4U, 5U, 6U, 270U, 474U, 703U, 734U, 849U, 883U}) {
+        const double stiffness = std::pow(10., -9. + seed % 6);
+        const TemporaryFolder folder;
+        std::string model = Star(seed, 3, 0.01, 320).model();
+        const std::string free = "rx = \"free\"";
+        model.replace(model.find(free), free.size(), fmt::format("rx = {}", stiffness));
+        write_text(folder / "model.toml", model);
+        const Ended ended = run_dttmm(folder.path(), {"modes", "model.toml", "--json", "--count", "6", "-o", "out"});
+        if (ended.code != 0) {
+            EXPECT_EQ(ended.code, 4) << ended.err;
+            continue;
+        }
+        ++found;
+        const std::vector<double> all = frequencies_of(nlohmann::json::parse(ended.out));
+        ASSERT_EQ(all.size(), 6U);
+        EXPECT_EQ(all[1], 0) << seed;
+        EXPECT_TRUE(all[2] > 0 || ended.err.find("0 Hz may vibrate") != std::string::npos) << seed;
+    }
+    EXPECT_GT(found, 0);
+}
+
 TEST(Trusses, MoreBallJointsThanOneNodeTakesAreRefused) {
     const TemporaryFolder folder;
     write_text(folder / "model.toml", Star(7, 9, 0.01, 5).model("duration = 1\ngravity = [0, 0, -9.81]\n"));

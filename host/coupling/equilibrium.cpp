@@ -314,7 +314,7 @@ Equilibrium::Attempt Equilibrium::iterate(double factor, int most_iterations) {
                                   balance.residual <= std::max(RestState::kNoise * balance.noise, 1e-9 * balance.force);
             // The next correction: of Newton's iteration the shares by which they fall are squared (Kantorovich)
             const double fall = last < kAny ? std::min(correction.size / last, 1.0) : 1;
-            const bool is_newton = resistance_ <= equations_.least_resistance();
+            const bool is_newton = resistance_ <= equations_.least_resistance() && !equations_.has_unsymmetric_loads();
             const bool is_found = (is_newton ? fall * fall : fall) * correction.size <= kNoCorrection * size.extent &&
                                   balance.residual <= RestState::kNoise * balance.noise;
             last = correction.size;

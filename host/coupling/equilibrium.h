@@ -22,8 +22,8 @@ struct RestState {
     double residual = 0;        ///< the largest force that lacks [N]
     double force = 0;           ///< the largest of an element, load or weight [N]
     std::string open;           ///< a joint that is open by more than rounding, and how far; empty: none
-    double turn =
-        0;  ///< the largest rotation of a part from the assembled machine; of a body on its way, full turns too [rad]
+    /// The largest rotation of a part from the assembled machine; of a body full turns on its way count too [rad].
+    double turn = 0;
     /// The share of the load at which the path of equilibria ends that the machine follows as the load grows from zero; to
     /// 1/1024 of itself. None: the path leads to the whole load, or there is none from the assembled machine.
     std::optional<double> path_ends_at = std::nullopt;

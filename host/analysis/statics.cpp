@@ -256,8 +256,7 @@ public:
     /// within 2 % of where forces are so large that a section cannot bear them or nothing can be counted beside them.
     CriticalLoads find_factors(int wanted) {
         description_.scale_forces(0);
-        ModalInstance instance(description_.plugin(), description_.model());
-        is_held_ = instance.count_free().value_or(1) == 0;  // not known: as if something were free
+        is_held_ = is_held();
         slack_ = is_held_ ? 1 : kSlack;
         double high = 1, below = 0;
         int there = count(high, slack_);
@@ -283,6 +282,15 @@ private:
     /// Of dttmm_modal.h: growth that rounding could make is not counted; nor is that of the second look.
     static constexpr int kSlack = 4, kMoreSlack = 16;
 
+    /// Not known: as if something were free.
+    bool is_held() {
+        try {
+            return ModalInstance(description_.plugin(), description_.model()).count_free().value_or(1) == 0;
+        } catch (const Error& error) {
+            if (error.code() != ExitCode::numerical_failure) throw;
+            return false;
+        }
+    }
     int count(double factor, int slack) {
         description_.scale_forces(factor);
         return as_int(ModalInstance(description_.plugin(), description_.model()).count_growing(slack));

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "modal/inverse_iteration.h"
 #include "modal/shape.h"
+#include "modal/slow_motions.h"
 
 namespace dttmm::plugin {
 
@@ -37,7 +39,7 @@ struct Mode {
 /// alone. Where the machine itself is a long chain of short elements rounding keeps the bracket wide, which is then told.
 class ModeFinder {
 public:
-    explicit ModeFinder(DynamicStiffness& stiffness) : stiffness_(stiffness) {}
+    explicit ModeFinder(DynamicStiffness& stiffness) : stiffness_(stiffness), inverse_(stiffness), slow_(stiffness) {}
 
     /// All up to `below` [rad/s]. Throws Error(DTTMM_ERROR_NUMERIC) where the count cannot be made out or rounding hides
     /// frequencies that low, and what DynamicStiffness::cut() throws.
@@ -66,16 +68,7 @@ private:
     };
 
     void refuse(int growing) const;
-    double rounding() const;
-    double quiet();
-    double look_for_noise(double base);
-    bool are_free(int count, double probe);
-    /// Of shapes below a frequency at which they were counted, λ by their strain: sizes beyond its rounding, and with it.
-    struct Strained {
-        double surely, most;
-        bool grows;  ///< one of them, surely
-    };
-    Strained iterate_free(std::vector<FrameVector>& shapes, double shift);
+    void refuse_noise(const char* what) const;
     std::string of_load() const;
     double lowest_for(double below);
     int count_at(double omega);
@@ -92,20 +85,19 @@ private:
     Cluster take_equal(Cluster& near) const;
     double confirm(const Cluster& cluster, int before);
     void split(const Interval& interval);
-    std::vector<double> iterate(std::vector<FrameVector>& shapes, double lambda);
-    std::vector<FrameVector> random_shapes(size_t count);
     void add(Cluster cluster, double bracket);
     Mode describe(FrameVector shape, double lambda) const;
+    void refuse_same(size_t first) const;
     void find_participation(std::span<Mode> modes);
 
     DynamicStiffness& stiffness_;
+    InverseIteration inverse_;
+    SlowMotions slow_;
     std::vector<Mode> modes_;       ///< found so far, in order
     std::map<double, int> counts_;  ///< of natural frequencies below ω [rad/s], as far as they are known
     int growing_ = 0;               ///< motions that grow
     /// Of λ: −1 while those that grow are looked for, ω² being −λ and all counts those of smaller ω.
     double sign_ = 1;
-    std::optional<double> quiet_;  ///< where counts begin to hold [rad/s]; nothing: not looked at yet
-    uint64_t seed_ = 1;
 };
 
 }  // namespace dttmm::plugin

@@ -68,8 +68,8 @@ std::vector<Measure> measure_whole(const DynamicStiffness& D, const std::vector<
 }  // namespace
 
 std::vector<FrameVector> mixed(const std::vector<FrameVector>& shapes, const Eigen::MatrixXd& mix) {
-    std::vector<FrameVector> sums(shapes.size(), FrameVector(shapes.front().size(), Vector6::Zero()));
-    for (size_t j = 0; j < shapes.size(); ++j)
+    std::vector<FrameVector> sums(as_size(mix.cols()), FrameVector(shapes.front().size(), Vector6::Zero()));
+    for (size_t j = 0; j < sums.size(); ++j)
         for (size_t i = 0; i < shapes.size(); ++i)
             for (size_t f = 0; f < shapes[i].size(); ++f) sums[j][f] += mix(as_row(i), as_row(j)) * shapes[i][f];
     return sums;

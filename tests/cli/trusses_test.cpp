@@ -139,6 +139,66 @@ TEST(Trusses, ASlowSpinBesideFreeOnesIsRightOrRefused) {
     EXPECT_GT(found, 0);
 }
 
+/// A body upside down on a hinge, which a spring holds so that it vibrates with a frequency under a gravity of 9.81 m/s^2;
+/// negative: it grows.
+std::string pendulum(double frequency) {
+    constexpr double kMass = 4.9, kArm = 0.51, kInertia = 0.127;
+    const double omega = 2 * M_PI * frequency;
+    const double stiffness = (kInertia + kMass * kArm * kArm) * omega * std::abs(omega) + kMass * 9.81 * kArm;
+    return fmt::format(R"toml([[body]]
+name = "p"
+mass = {0}
+inertia = [{1}, {1}, {1}]
+position = [5, 0, {2}]
+[[joint]]
+name = "hinge"
+type = "hinge"
+between = ["ground", "p"]
+anchor = [5, 0, 0]
+axis = [0, 1, 0]
+[[element]]
+name = "spring"
+type = "spring_damper"
+from = "ground"
+to = "p"
+rotational_stiffness = [0, {3:.17g}, 0]
+)toml",
+                       kMass, kInertia, kArm, stiffness);
+}
+
+// Oracle: the pendulum's frequency; every rod spins freely. What rounding hides is refused or told, by both commands.
+TEST(Trusses, APendulumBesideThemIsRightOrRefused) {
+    int right = 0, known = 0;
+    for (const double frequency : {0.3, 0.03, 0.003, -0.003, -0.3})
+        for (const auto& [seed, count, diameter] : kCases) {
+            SCOPED_TRACE(fmt::format("{} rods of {} m, {} Hz", count, diameter, frequency));
+            const TemporaryFolder folder;
+            const std::string model =
+                Star(seed, count, diameter, 1e6 * diameter * diameter).model("gravity = [0, 0, -9.81]\n") +
+                pendulum(frequency);
+            write_text(folder / "model.toml", model);
+            const Ended modes = run_dttmm(
+                folder.path(), {"modes", "model.toml", "--json", "--count", fmt::format("{}", count + 1), "-o", "modes"});
+            if (modes.code == 0) {
+                const std::vector<double> found = frequencies_of(nlohmann::json::parse(modes.out));
+                ASSERT_EQ(found.size(), count + 1U);
+                EXPECT_NEAR(frequency < 0 ? found.front() : found.back(), frequency, 1e-3 * std::abs(frequency));
+                ++right;
+            } else {
+                EXPECT_EQ(modes.code, 4) << modes.err;
+            }
+            const AtRest rest = rest_of(model);
+            const auto holds = [&](const char* name, int expected) {
+                return rest.summary.value(name, nlohmann::json()).is_null() || rest.summary[name] == expected;
+            };
+            EXPECT_TRUE(holds("growing_motions", frequency < 0)) << rest.told;
+            EXPECT_TRUE(holds("free_motions", count)) << rest.told;
+            known += rest.summary.contains("free_motions");
+        }
+    EXPECT_GE(right, 14);  // of 30
+    EXPECT_GE(known, 12);
+}
+
 TEST(Trusses, MoreBallJointsThanOneNodeTakesAreRefused) {
     const TemporaryFolder folder;
     write_text(folder / "model.toml", Star(7, 9, 0.01, 5).model("duration = 1\ngravity = [0, 0, -9.81]\n"));

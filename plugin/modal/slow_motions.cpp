@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modal/slow_motions.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "core/error.h"
+#include "core/index.h"
+#include "modal/shape_basis.h"
+
+namespace dttmm::plugin {
+
+namespace {
+
+/// Rounding of a rigid-body mode's λ, as share of the largest stiffness over the whole mass. Range 1e-13 (below it
+/// RandomTrees) to 2e-12 (above it ASlowSpringIsNoRigidBodyMode).
+constexpr double kRigidRounding = 1e-12;
+/// Of √rounding: what rounding makes of spins with little inertia reaches so far, as a rule and at most. Range 1024 (at 512
+/// Trusses.ALoadedTruss...) to 4096, none fails; 8192 (at 1024 Trusses.APendulumBesideThem...) to 65536, none fails.
+constexpr double kNoise = 1024, kMostNoise = 16384;
+/// From one frequency at which they are counted to the next. At 2 the same trusses are right; at 8 six of 200 were wrong.
+constexpr double kFiner = 4;
+/// From where counts are to hold to the slowest vibration. Of 400 trusses 178 are right with 1.2, 173 with 1.5, 166 with 3.
+constexpr double kApart = 1.5;
+/// Shapes beside those that are looked for: random ones have next to nothing of a spin, and find what is near instead. Of
+/// 400 trusses 147 are right with none, 160 with 2, 158 with 8.
+constexpr size_t kGuards = 4;
+/// Of unit mass: less is left of a shape that says what others do. Range 1e-9 (at 1e-12 Trusses.APendulumBesideThem...) to
+/// 1e-2, none fails.
+constexpr double kSame = 1e-6;
+/// Not of more motions: the shapes of 90 may take 3 s. No test bounds it.
+constexpr int kMostShapes = 100;
+/// Of inverse iteration, until as many are free as before. Two are enough for 400 trusses.
+constexpr int kPasses = 5;
+/// Of ω: a frequency hit to rounding has no count; so little beside it there is one.
+constexpr double kBeside = 5e-10;
+
+}  // namespace
+
+double SlowMotions::rounding() const { return kRigidRounding * stiffness_.stiffest(); }
+
+double SlowMotions::most_hidden() const { return 16 * rounding(); }
+
+double SlowMotions::quiet() {
+    if (quiet_) return *quiet_;
+    quiet_ = std::sqrt(rounding());
+    if (*quiet_ == 0) return 0;
+    for (const double far : {kNoise * *quiet_, kMostNoise * *quiet_})
+        if (const std::optional<double> found = look_for_noise(*quiet_, far)) return *(quiet_ = found);
+    is_noisy_ = true;
+    return *quiet_;
+}
+
+int SlowMotions::count(double omega) {
+    try {
+        stiffness_.cut(omega);
+        for (const double at : {omega, omega * (1 + kBeside)})
+            if (const auto count = stiffness_.count(at * at)) return *count;
+    } catch (const Error&) {
+    }
+    return -1;
+}
+
+/// The spin of a thin rod between joints has so little inertia that rounding makes more of its λ than rounding() says. What
+/// counts say there is noise, up to where they agree with the strain of the slowest motions. Nothing: they do not up to
+/// `far`.
+std::optional<double> SlowMotions::look_for_noise(double base, double far) {
+    const double shift = -kFixed * far * far;
+    const int above = count(far), fast = stiffness_.count(2 * shift - far * far).value_or(above);  // as far from the shift
+    if (above <= fast || above - fast > kMostShapes) return base;
+    bool differ = stiffness_.count(-kFixed * base * base) != fast;
+    for (double probe = far / kFiner; probe >= base && !differ; probe /= kFiner) differ = count(probe) != above;
+    if (!differ) return base;
+    stiffness_.cut(far);
+    for (const size_t more : {kGuards, size_t{0}}) {
+        const std::optional<Slow> slow = look_at_slow(as_size(above - fast) + more, shift);
+        if (!slow) continue;
+        const double probe = std::max(std::min(far, slow->slowest / kApart), base);
+        const bool agree = count(probe) == fast + slow->growing + slow->free &&
+                           stiffness_.count(-kFixed * probe * probe) == fast + slow->growing;
+        if (!agree) return std::nullopt;
+        looked_at_ = {as_size(above - fast), shift};
+        return probe;
+    }
+    return std::nullopt;
+}
+
+/// What the strain of so many motions next to a shift says of them; nothing: they cannot be distinguished.
+std::optional<SlowMotions::Slow> SlowMotions::look_at_slow(size_t count, double shift) {
+    const double least = stiffness_.model().is_at_rest ? most_hidden() : kStrain * rounding();
+    std::vector<FrameVector> shapes = inverse_.random_shapes(count);
+    Slow found, before{-1};
+    for (int pass = 0; pass < kPasses && found.free != before.free; ++pass) {
+        before = found;
+        const std::vector<Strained> all = iterate_slow(shapes, shift);
+        if (all.empty()) return std::nullopt;
+        found = {};
+        for (const Strained& own : all)
+            if (own.surely <= least)
+                ++found.free;
+            else
+                found.slowest = std::min(found.slowest, std::sqrt(own.surely / (own.grows ? kFixed : 1))),
+                found.growing += own.grows;
+    }
+    return found;
+}
+
+/// Inverse iteration, and what strain makes of the shapes, the least strained first.
+std::vector<SlowMotions::Strained> SlowMotions::iterate_slow(std::vector<FrameVector>& shapes, double shift) {
+    if (inverse_.iterate(shapes, shift).empty()) return {};
+    stiffness_.set(0);
+    std::vector<Strained> all = strain_of(shapes);
+    if (std::ranges::all_of(all, [&](const Strained& one) { return one.surely <= kStrain * rounding(); })) return all;
+    if (!part_by_strain(shapes)) return {};
+    all = strain_of(shapes);
+    std::vector<size_t> order(shapes.size());
+    std::iota(order.begin(), order.end(), size_t{0});
+    std::ranges::stable_sort(order, {}, [&](size_t k) { return all[k].surely; });
+    std::vector<FrameVector> sorted;
+    std::vector<Strained> strained;
+    for (const size_t k : order) {
+        sorted.push_back(std::move(shapes[k]));
+        strained.push_back(all[k]);
+    }
+    shapes = std::move(sorted);
+    return strained;
+}
+
+/// λ is twice the energy of a shape of unit modal mass.
+std::vector<SlowMotions::Strained> SlowMotions::strain_of(const std::vector<FrameVector>& shapes) const {
+    std::vector<Strained> all;
+    for (const FrameVector& shape : shapes) {
+        const Strain strain = sum(strain_energies(stiffness_, shape));
+        const double size = std::abs(strain.energy);
+        all.push_back({2 * (size - strain.unsure), 2 * (size + strain.unsure), strain.energy < -strain.unsure});
+    }
+    return all;
+}
+
+/// Mixes shapes so that what nothing strains stands apart from what vibrates slowly. D cannot tell them apart: its rounding
+/// is that of the largest stiffness. Of shapes that say the same one is left.
+bool SlowMotions::part_by_strain(std::vector<FrameVector>& shapes) const {
+    const auto n = as_row(shapes.size());
+    const auto energy = [&](const FrameVector& shape) { return sum(strain_energies(stiffness_, shape)).energy; };
+    Eigen::MatrixXd strain(n, n), mass(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        strain(i, i) = energy(shapes[as_size(i)]);
+        const FrameVector momenta = stiffness_.mass_times(shapes[as_size(i)]);
+        for (Eigen::Index j = 0; j <= i; ++j) mass(i, j) = mass(j, i) = dot(shapes[as_size(j)], momenta);
+    }
+    for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index j = 0; j < i; ++j) {
+            FrameVector both = shapes[as_size(i)];
+            for (size_t f = 0; f < both.size(); ++f) both[f] += shapes[as_size(j)][f];
+            strain(i, j) = strain(j, i) = 0.5 * (energy(both) - strain(i, i) - strain(j, j));
+        }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> span(mass);
+    if (span.info() != Eigen::Success || !span.eigenvectors().allFinite()) return false;
+    const Eigen::Index rank = (span.eigenvalues().array() > kSame * span.eigenvalues().maxCoeff()).count();
+    const Eigen::MatrixXd unit =
+        span.eigenvectors().rightCols(rank) * span.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> own(unit.transpose() * strain * unit);
+    if (own.info() != Eigen::Success || !own.eigenvectors().allFinite()) return false;
+    shapes = mixed(shapes, unit * own.eigenvectors());
+    return true;
+}
+
+/// The shapes of so many motions that nothing strains, or least, and how much; a machine may have no more motions than that.
+SlowMotions::Strained SlowMotions::find_free(size_t count, double shift, std::vector<FrameVector>& shapes) {
+    shift = std::min(shift, looked_at_.shift);
+    const bool is_hard = looked_at_.count > 0;  // else guards cost more than they help
+    for (const size_t more : {is_hard ? kGuards : 0, is_hard ? 0 : kGuards}) {
+        shapes = inverse_.random_shapes(std::max(count, looked_at_.count) + more);
+        std::vector<Strained> all;
+        // What slow modes leave in the shapes falls by shift/(shift + λ) per round: until what is strained is rounding
+        double last, before = std::numeric_limits<double>::infinity();
+        for (;; before = last) {
+            all = iterate_slow(shapes, shift);
+            if (all.size() < count) break;
+            all.resize(count);
+            last = all.back().surely;
+            if (!(last > 0 && last < 0.5 * before)) break;
+        }
+        if (all.size() < count) continue;
+        shapes.resize(count);
+        Strained found{std::min(last, before), 0, false};
+        for (const Strained& own : all) found.most = std::max(found.most, own.most), found.grows = found.grows || own.grows;
+        return found;
+    }
+    throw Error(DTTMM_ERROR_NUMERIC, "the shapes of the rigid-body modes were not found");
+}
+
+}  // namespace dttmm::plugin

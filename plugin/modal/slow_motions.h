@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "modal/inverse_iteration.h"
+#include "modal/shape.h"
+
+namespace dttmm::plugin {
+
+/// Motions that nothing holds beside those that are held by little. D has rounding of the largest stiffness, and counts of
+/// natural frequencies so slow say nothing. The strain of a shape is known better: it follows from how its ends move against
+/// each other.
+class SlowMotions {
+public:
+    explicit SlowMotions(DynamicStiffness& stiffness) : stiffness_(stiffness), inverse_(stiffness) {}
+
+    /// Times −ω²: a shift at which what is slower than ω counts as held.
+    static constexpr double kFixed = 4;
+    /// Strain of a rigid-body mode beyond its rounding, as share of λ where the count begins. More is a mode too slow to be
+    /// counted. Range 1e-5 (below it RandomTrees) to 1e-3 (above it ASlowSpringIsNoRigidBodyMode).
+    static constexpr double kStrain = 1e-4;
+
+    /// What rounding makes of λ = 0 [1/s²].
+    double rounding() const;
+    /// What forces at rest leave of it, where they balance to some digits only [1/s²].
+    double most_hidden() const;
+    /// Where counts begin to hold [rad/s]. [after cut()]
+    double quiet();
+    /// They may not do so there. [after quiet()]
+    bool is_noisy() const { return is_noisy_; }
+
+    /// Of shapes of unit modal mass: the size of λ by their strain, beyond rounding of it, and with that.
+    struct Strained {
+        double surely, most;
+        bool grows;  ///< one of them, surely
+    };
+    /// The shapes of so many motions that are strained least. Throws Error(DTTMM_ERROR_NUMERIC).
+    Strained find_free(size_t count, double shift, std::vector<FrameVector>& shapes);
+
+private:
+    /// Of motions next to λ = 0.
+    struct Slow {
+        int free = 0, growing = 0;                                 ///< strained by no more than rounding; the others: grow
+        double slowest = std::numeric_limits<double>::infinity();  ///< of the others [rad/s]
+    };
+    int count(double omega);
+    std::optional<double> look_for_noise(double base, double far);
+    std::optional<Slow> look_at_slow(size_t count, double shift);
+    std::vector<Strained> iterate_slow(std::vector<FrameVector>& shapes, double shift);
+    std::vector<Strained> strain_of(const std::vector<FrameVector>& shapes) const;
+    bool part_by_strain(std::vector<FrameVector>& shapes) const;
+
+    DynamicStiffness& stiffness_;
+    InverseIteration inverse_;
+    std::optional<double> quiet_;  ///< nothing: not looked at yet
+    bool is_noisy_ = false;
+    /// So many motions next to a shift were looked at to find it.
+    struct {
+        size_t count = 0;
+        double shift = 0;
+    } looked_at_;
+};
+
+}  // namespace dttmm::plugin

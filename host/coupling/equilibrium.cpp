@@ -27,8 +27,8 @@ constexpr double kMayBeKink = 0.5, kMostBend = 0.2, kLeastBend = 0.04;
 /// next: two supports that turn against each other stay within half a turn.
 constexpr double kMostAskedTurn = 1;
 /// Newton's iteration goes to the equilibrium that a growing load leads to where a correction is at most a quarter of the
-/// one before (Kantorovich). A shallow truss snaps through at 0.55. Statics.ATrussThatSnapsThroughSaysSo fails at 0.2 and
-/// 0.8.
+/// one before (Kantorovich), and falls more than that did. A shallow truss snaps through at 0.55.
+/// Statics.ATrussThatSnapsThroughSaysSo fails at 0.2 and 0.8.
 constexpr double kSmooth = 0.4;
 /// Of the extent of the machine: corrections that are smaller may be rounding, and do not jump. Statics.LeesFrameAndAMotor
 /// fails at 1e-13, Statics.ATrussThatSnapsThroughSaysSo at 3e-2.
@@ -54,8 +54,11 @@ constexpr double kClosed = 1e-9;
 /// One that is open by more contradicts another joint or a motor: share of the span, or angle [rad]. Anchors that the file
 /// rounds open less: on three parallel cranks of a metre one is off by 1.7 mm at this limit.
 constexpr double kContradiction = 1e-5;
-/// Of a step that may pass a kink; 0.125 passes, too. At 0.5 a jump counts as one: Statics.SnappingThroughIsTold fails.
+/// Of a step that may pass a kink.
 constexpr double kOfKink = 0.25;
+/// Of the way of a step, without which the machine goes back: after a jump by less, as its step is short. Statics.Slanted...
+/// fails at 0.
+constexpr double kReturns = 0.1;
 /// Load steps are halved down to this share of the load.
 constexpr double kLeastStep = 1.0 / 1024;
 /// What one support may ask for, and all motors in a row [rad].
@@ -94,9 +97,10 @@ const RestState& Equilibrium::find(double t0) {
         if (share < 1 || (has_descended && !is_same)) {
             if (!has_descended || !descend(t0)) {
                 begin(t0);
-                raise_load(t0, Steps::any);
+                raise_load(t0, Steps::any, 0);
             }
             if (share > 0 && share < 1) state_.path_ends_at = share;
+            state_.has_path = share > 0 || !has_elements_;
         }
     }
     const RestEquations::Balance& balance = equations_.balance();
@@ -118,7 +122,7 @@ void Equilibrium::search(double t0) {
         most_bend_ = most_bend;
         begin(t0);
         try {
-            raise_load(t0, Steps::any);
+            raise_load(t0, Steps::any, 0);
         } catch (const Error& error) {
             if (error.code() != ExitCode::numerical_failure) throw;
             if (!failure) failure = std::current_exception();
@@ -182,27 +186,29 @@ void Equilibrium::begin(double t0) {
     equations_.begin(t0);
 }
 
-/// Follows the load as it grows from zero, in steps without a jump, from where preloads alone bring the machine. Returns the
-/// share up to which that leads: 0 where there is no such step.
+/// Follows the load as it grows from zero, in steps without a jump, from where preloads alone bring the machine; where it
+/// cannot from there, as a pendulum that only its weight holds, from where next to no load brings it. Returns the share up
+/// to which that leads: 0 where there is no such step.
 double Equilibrium::follow(double t0) {
-    begin(t0);
-    steps_ = Steps::any;
-    if (!iterate(0, kMostIterations).is_converged) return 0;
-    is_smooth_ = true;
-    try {
-        equations_.keep();
-        return raise_load(t0, Steps::smooth);
-    } catch (const Error& error) {  // of a spring that turns too far elsewhere
-        if (error.code() != ExitCode::numerical_failure) throw;
-    }
+    for (const double from : {0.0, kLeastStep}) try {
+            if (from > 0 && !has_elements_) break;
+            begin(t0);
+            steps_ = Steps::any;
+            if (!iterate(from, from > 0 ? kMostDescending : kMostIterations).is_converged) continue;
+            is_smooth_ = true;
+            equations_.keep();
+            if (const double share = raise_load(t0, Steps::smooth, from); share > from) return share;
+        } catch (const Error& error) {  // of a spring that turns too far elsewhere
+            if (error.code() != ExitCode::numerical_failure) throw;
+        }
     return 0;
 }
 
-/// From zero; the share that was reached. Throws where that is not the whole, unless its steps are to be smooth.
-double Equilibrium::raise_load(double t0, Steps steps) {
+/// Returns the share that was reached. Throws where that is not the whole, unless its steps are to be smooth.
+double Equilibrium::raise_load(double t0, Steps steps, double done) {
     steps_ = steps;
     const double asked = asked_turn(model_, t0), largest_step = asked > kMostAskedTurn ? kMostAskedTurn / asked : 1;
-    double done = 0, step = largest_step;
+    double step = largest_step;
     RestingJoints::Opening widest;
     std::optional<Error> beyond;  // the first place where a law does not hold
     while (done < 1) {
@@ -251,20 +257,22 @@ double Equilibrium::raise_load(double t0, Steps steps) {
     return done;
 }
 
-/// Where a law has a kink, as where a slider gives way, corrections do not fall fast, however short the step. The machine
-/// then goes a way in proportion to the step; one that snaps through does not. Takes a share kOfKink of the step, if so.
+/// Where a law has a kink, as where a slider gives way, corrections do not fall fast, however short the step. Without that
+/// step the machine then goes back to where it was; one that snaps through stays near where it is. Takes a share kOfKink of
+/// the step, if so.
 bool Equilibrium::pass_kink(double done, double step) {
     steps_ = Steps::any;
-    double longer = 0;
-    bool passes = true;
-    for (const double share : {1.0, kOfKink}) {
+    const auto go = [&](double factor) { return iterate(factor, kMostIterations); };
+    const double beyond = done + kOfKink * step;
+    equations_.recall();
+    const Attempt there = go(beyond);
+    bool passes = there.is_converged && equations_.is_stable();
+    if (passes) {
+        const Attempt back = go(done);
+        passes = back.is_converged && back.way >= kReturns * there.way;
         equations_.recall();
-        const Attempt attempt = iterate(done + share * step, kMostIterations);
-        passes = passes && attempt.is_converged && equations_.is_stable();
-        if (share < 1) passes = passes && attempt.way <= 2 * kOfKink * longer;
-        longer = attempt.way;
-        if (!passes) break;
     }
+    passes = passes && go(beyond).is_converged;
     if (!passes) equations_.recall();
     steps_ = Steps::smooth;
     return passes;
@@ -284,7 +292,7 @@ Equilibrium::Attempt Equilibrium::iterate(double factor, int most_iterations) {
     farthest_ = size.span;
     Attempt attempt;
     constexpr double kAny = std::numeric_limits<double>::infinity();
-    double last = kAny;
+    double last = kAny, last_fall = kAny;
     for (int i = 0; i < most_iterations; ++i) {
         StopRequest::throw_if_made("before the equilibrium was found");
         ++state_.iterations;
@@ -298,10 +306,11 @@ Equilibrium::Attempt Equilibrium::iterate(double factor, int most_iterations) {
             farthest_ = correction.share * correction.size > 0.5 * farthest_ ? 2 * farthest_ : size.span;
             if (farthest_ > kLostExtents * size.extent) return attempt;
             if (equations_.reach_stops()) {
-                last = kAny;
+                last = last_fall = kAny;
                 continue;
             }
-            if (correction.size > kSmooth * last && correction.size > kJump * size.extent) {
+            const double fall = last < kAny ? correction.size / last : 0;
+            if ((fall > kSmooth || fall > last_fall) && correction.size > kJump * size.extent) {
                 is_smooth_ = false;
                 if (steps_ == Steps::smooth) return attempt;
             }
@@ -313,10 +322,12 @@ Equilibrium::Attempt Equilibrium::iterate(double factor, int most_iterations) {
             const bool is_noise = correction.size <= 1e-6 * size.extent && correction.size >= 0.5 * last &&
                                   balance.residual <= std::max(RestState::kNoise * balance.noise, 1e-9 * balance.force);
             // The next correction: of Newton's iteration the shares by which they fall are squared (Kantorovich)
-            const double fall = last < kAny ? std::min(correction.size / last, 1.0) : 1;
+            const double next = last < kAny ? std::min(fall, 1.0) * correction.size : correction.size;
             const bool is_newton = resistance_ <= equations_.least_resistance() && !equations_.has_unsymmetric_loads();
-            const bool is_found = (is_newton ? fall * fall : fall) * correction.size <= kNoCorrection * size.extent &&
-                                  balance.residual <= RestState::kNoise * balance.noise;
+            const bool is_found =
+                (is_newton && last < kAny ? std::min(fall, 1.0) : 1) * next <= kNoCorrection * size.extent &&
+                balance.residual <= RestState::kNoise * balance.noise;
+            last_fall = last < kAny ? fall : kAny;
             last = correction.size;
             falls_ = correction.falling > 0;
             if (equations_.shares_anew()) {

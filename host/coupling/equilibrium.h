@@ -27,6 +27,8 @@ struct RestState {
     /// The share of the load at which the path of equilibria ends that the machine follows as the load grows from zero; to
     /// 1/1024 of itself. None: the path leads to the whole load, or there is none from the assembled machine.
     std::optional<double> path_ends_at = std::nullopt;
+    /// Whether the machine could be followed under a growing load at all, where that was tried.
+    bool has_path = true;
     bool is_loaded = true;  ///< by weight or a load
     double noise = 0;       ///< what of a force may be rounding of places [N]
 
@@ -72,7 +74,7 @@ private:
     std::optional<Error> accept(const Attempt& attempt);
     double follow(double t0);
     void begin(double t0);
-    double raise_load(double t0, Steps steps);
+    double raise_load(double t0, Steps steps, double done);
     bool pass_kink(double done, double step);
     std::string describe(const RestingJoints::Opening& open) const;
     Attempt iterate(double factor, int most_iterations);

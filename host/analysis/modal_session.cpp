@@ -212,10 +212,11 @@ bool is_strained(const Model& model, const ModalMachine& machine) {
 
 void note_path_end(const RestState& rest, bool has_potential, const std::string& place, Warnings& warnings) {
     if (!rest.has_path)
-        warnings.note("load-path-unknown",
-                      fmt::format("{}from where the machine rests without loads it could not be followed as they grow: this is "
-                                  "one equilibrium under them, and there may be others",
-                                  place));
+        warnings.note(
+            "load-path-unknown",
+            fmt::format("{}from where the machine rests without loads it could not be followed as they grow: this is "
+                        "one equilibrium under them, and there may be others",
+                        place));
     if (!rest.path_ends_at) return;
     const std::string share = fmt::format("{:.4g} of them", *rest.path_ends_at),
                       what = has_potential ? fmt::format(

@@ -453,12 +453,17 @@ void look_at_stability(const Request& request, const Model& model, const Plugins
         } catch (const Error& error) {
             found.why_free_unknown = error.what();
         }
-        found.growing = as_int(machine->count_growing());
     } catch (const Error& error) {
         if (request.statics.buckling > 0) throw;  // asked for; otherwise the equilibrium stands without it
         found.why_not_counted = error.what();
-        found.why_free_unknown.clear();  // for the same reason
         return;
+    }
+    try {
+        found.growing = as_int(machine->count_growing());
+    } catch (const Error& error) {
+        if (error.code() != ExitCode::numerical_failure && request.statics.buckling > 0) throw;
+        found.why_not_counted = error.what();
+        found.why_free_unknown.clear();  // for the same reason
     }
     if (request.statics.buckling > 0) found.critical = Buckling(describe()).find_factors(request.statics.buckling);
     for (CriticalLoad& load : found.critical.factors)

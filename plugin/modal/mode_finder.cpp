@@ -38,6 +38,8 @@ constexpr double kFinestBracket = 2.5e-11, kWidestBracket = 1e-5;
 /// The same where forces at rest may bring a frequency near to zero. Of 864 columns near their critical loads 52 are refused
 /// with 1e-5, 8 with 1e-4, 5 with 1e-2; 39 known to 6e-5 or less lie where their neighbours lead to, to 1 % of ω².
 constexpr double kWidestAtRest = 1e-4;
+/// Of unit mass: less is left of a shape that was found twice.
+constexpr double kLeft = 1e-8;
 /// Where the search for the first few begins, and where a model of finitely many masses has no more [rad/s]. Range 0.06 to
 /// 600 and 1e10 to 1e14, none fails.
 constexpr double kFirstTrial = 2 * M_PI, kFastest = 1e12;
@@ -117,6 +119,12 @@ std::vector<Mode> ModeFinder::find_first(int count) {
 }
 
 int ModeFinder::count_growing(int slack) {
+    const int growing = count_growth(slack);
+    if (slack == 0 && stiffness_.stiffest() > 0) refuse_noise("what grows", growing);
+    return growing;
+}
+
+int ModeFinder::count_growth(int slack) {
     stiffness_.cut(0);
     if (stiffness_.model().total_mass == 0) return stiffness_.count(0).value_or(0);  // the same at any λ
     if (stiffness_.stiffest() == 0) return 0;
@@ -125,16 +133,13 @@ int ModeFinder::count_growing(int slack) {
     const double shift = slack == 1 ? 0 : slack == 0 ? SlowMotions::kFixed * -lowest * lowest : -slack * slow_.rounding();
     // An eigenvalue hit to rounding has no count; beside it, by what rounding may make of one, there is one
     for (const double at : {shift, shift - slow_.rounding()})
-        if (const auto count = stiffness_.count(at)) {
-            if (slack == 0 && *count > 0) refuse_noise("what grows");
-            return *count;
-        }
+        if (const auto count = stiffness_.count(at)) return *count;
     throw Error(DTTMM_ERROR_NUMERIC, "the motions that grow cannot be counted");
 }
 
 /// Throws where rounding may make up what is counted at the lowest frequency. [after lowest_for()]
-void ModeFinder::refuse_noise(const char* what) const {
-    if (!slow_.is_noisy()) return;
+void ModeFinder::refuse_noise(const char* what, int growing) const {
+    if (!slow_.is_noisy() && growing == slow_.grow_fast().value_or(growing)) return;
     throw Error(
         DTTMM_ERROR_NUMERIC,
         fmt::format("{} cannot be told from what vibrates slowly: rounding of the stiffest parts hides it. Make these "
@@ -142,7 +147,11 @@ void ModeFinder::refuse_noise(const char* what) const {
                     what, of_load()));
 }
 
-void ModeFinder::refuse_growing() { refuse(count_growing(0)); }
+void ModeFinder::refuse_growing() {
+    const int growing = count_growth(0);
+    if (growing > 0) refuse_noise("what grows", growing);
+    refuse(growing);
+}
 
 void ModeFinder::refuse(int growing) const {
     if (growing == 0) return;
@@ -159,8 +168,8 @@ int ModeFinder::count_free() {
     if (stiffness_.stiffest() == 0) return stiffness_.count(1).value_or(0);
     // First: where nothing is free, nothing grows
     const int rigid = count_rigid();
-    refuse_noise("what nothing holds");
-    const int free = rigid - count_growing(0);
+    const int growing = count_growth(0), free = rigid - growing;
+    refuse_noise("what nothing holds", growing);
     if (free < 0) throw Error(DTTMM_ERROR_NUMERIC, "the motions that nothing holds cannot be counted");
     return free;
 }
@@ -283,7 +292,7 @@ bool ModeFinder::prove(Cluster& near, int& before) {
     while (!near.shapes.empty()) {
         Cluster equal = take_equal(near);
         const double bracket = confirm(equal, before);
-        if (bracket == 0) return false;
+        if (bracket == 0 || !part_from_others(equal)) return false;
         before += as_int(equal.shapes.size());
         add(std::move(equal), bracket);
     }
@@ -365,25 +374,24 @@ void ModeFinder::add(Cluster cluster, double bracket) {
         modes_[m].bracket = bracket;
         modes_[m].multiplicity = as_int(modes_.size() - first);
     }
-    refuse_same(first);
     find_participation(std::span(modes_).subspan(first));
 }
 
-/// A spin that rounding counts next to another frequency leads to the shape of that once more.
-void ModeFinder::refuse_same(size_t first) const {
-    constexpr double kNear = 2 * kWidestBracket;  // each is confirmed within one
-    for (size_t m = first; m < modes_.size(); ++m) {
-        const Mode& mode = modes_[m];
-        for (size_t k = first; k > 0 && mode.omega - modes_[k - 1].omega <= kNear * std::abs(mode.omega); --k) {
-            const Mode& before = modes_[k - 1];
-            if (before.shape.size() != mode.shape.size()) continue;
-            const double both = dot(before.shape, stiffness_.mass_times(mode.shape));
-            if (both * both > 0.5 * before.mass * mode.mass)
-                throw Error(
-                    DTTMM_ERROR_NUMERIC,
-                    fmt::format("the count of natural frequencies near {:.9g} Hz is lost in rounding", hertz(mode.omega)));
+/// Leaves of shapes what is at right angles to modes next to them. Whether something is: a spin that rounding counts there
+/// leads to one of these once more.
+bool ModeFinder::part_from_others(Cluster& equal) const {
+    const double omega = sign_ * std::sqrt(equal.lambdas.front()), near = 2 * kWidestBracket * std::abs(omega);
+    for (FrameVector& shape : equal.shapes) {
+        const double mass = dot(shape, stiffness_.mass_times(shape));
+        for (size_t k = modes_.size(); k > 0 && std::abs(omega - modes_[k - 1].omega) <= near; --k) {
+            const Mode& other = modes_[k - 1];
+            if (other.shape.size() != shape.size()) continue;
+            const double share = dot(other.shape, stiffness_.mass_times(shape)) / other.mass;
+            for (size_t f = 0; f < shape.size(); ++f) shape[f] -= share * other.shape[f];
         }
+        if (dot(shape, stiffness_.mass_times(shape)) <= kLeft * mass) return false;
     }
+    return true;
 }
 
 /// A mode by its shape, at which the stiffness stands. Its bracket is what the strain energy makes of λ. The dynamic

@@ -68,7 +68,8 @@ private:
     };
 
     void refuse(int growing) const;
-    void refuse_noise(const char* what) const;
+    int count_growth(int slack);
+    void refuse_noise(const char* what, int growing) const;
     std::string of_load() const;
     double lowest_for(double below);
     int count_at(double omega);
@@ -87,7 +88,7 @@ private:
     void split(const Interval& interval);
     void add(Cluster cluster, double bracket);
     Mode describe(FrameVector shape, double lambda) const;
-    void refuse_same(size_t first) const;
+    bool part_from_others(Cluster& equal) const;
     void find_participation(std::span<Mode> modes);
 
     DynamicStiffness& stiffness_;

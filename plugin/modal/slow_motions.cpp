@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -31,8 +32,8 @@ constexpr size_t kGuards = 4;
 /// Of unit mass: less is left of a shape that says what others do. Range 1e-9 (at 1e-12 Trusses.APendulumBesideThem...) to
 /// 1e-2, none fails.
 constexpr double kSame = 1e-6;
-/// Not of more motions: the shapes of 90 may take 3 s. No test bounds it.
-constexpr int kMostShapes = 100;
+/// Not of more motions: the strain of 90 took 0.4 s. No test bounds it.
+constexpr int kMostShapes = 40;
 /// Of inverse iteration, until as many are free as before. Two are enough for 400 trusses.
 constexpr int kPasses = 5;
 /// Of ω: a frequency hit to rounding has no count; so little beside it there is one.
@@ -70,42 +71,54 @@ int SlowMotions::count(double omega) {
 std::optional<double> SlowMotions::look_for_noise(double base, double far) {
     const double shift = -kFixed * far * far;
     const int above = count(far), fast = stiffness_.count(2 * shift - far * far).value_or(above);  // as far from the shift
-    if (above <= fast || above - fast > kMostShapes) return base;
+    if (above <= fast) return base;
+    if (above - fast > kMostShapes) {
+        grow_fast_ = fast;
+        return base;
+    }
     bool differ = stiffness_.count(-kFixed * base * base) != fast;
     for (double probe = far / kFiner; probe >= base && !differ; probe /= kFiner) differ = count(probe) != above;
     if (!differ) return base;
     stiffness_.cut(far);
     for (const size_t more : {kGuards, size_t{0}}) {
-        const std::optional<Slow> slow = look_at_slow(as_size(above - fast) + more, shift);
-        if (!slow) continue;
-        const double probe = std::max(std::min(far, slow->slowest / kApart), base);
-        const bool agree = count(probe) == fast + slow->growing + slow->free &&
-                           stiffness_.count(-kFixed * probe * probe) == fast + slow->growing;
-        if (!agree) return std::nullopt;
-        looked_at_ = {as_size(above - fast), shift};
-        return probe;
+        const std::vector<Strained> all = look_at_slow(as_size(above - fast) + more, shift);
+        if (all.empty()) continue;
+        // Forces at rest balance to some digits only, and may leave strain where nothing holds: at first it is not thought
+        // of
+        for (const double least : {kStrain * rounding(), most_hidden()}) {
+            if (least == most_hidden() && !stiffness_.model().is_at_rest) break;
+            int free = 0, growing = 0;
+            double slowest = far * kApart;
+            for (const Strained& own : all)
+                if (own.surely <= least)
+                    ++free;
+                else
+                    slowest = std::min(slowest, std::sqrt(own.surely / (own.grows ? kFixed : 1))), growing += own.grows;
+            if (slowest < base) continue;
+            for (const double probe : {std::max(slowest / kApart, base), base}) {
+                if (count(probe) != fast + growing + free || stiffness_.count(-kFixed * probe * probe) != fast + growing)
+                    continue;
+                looked_at_ = {as_size(above - fast), shift};
+                return probe;
+            }
+        }
+        return std::nullopt;
     }
     return std::nullopt;
 }
 
-/// What the strain of so many motions next to a shift says of them; nothing: they cannot be distinguished.
-std::optional<SlowMotions::Slow> SlowMotions::look_at_slow(size_t count, double shift) {
-    const double least = stiffness_.model().is_at_rest ? most_hidden() : kStrain * rounding();
+/// What strain makes of so many motions next to a shift; nothing: they cannot be distinguished.
+std::vector<SlowMotions::Strained> SlowMotions::look_at_slow(size_t count, double shift) {
     std::vector<FrameVector> shapes = inverse_.random_shapes(count);
-    Slow found, before{-1};
-    for (int pass = 0; pass < kPasses && found.free != before.free; ++pass) {
-        before = found;
-        const std::vector<Strained> all = iterate_slow(shapes, shift);
-        if (all.empty()) return std::nullopt;
-        found = {};
-        for (const Strained& own : all)
-            if (own.surely <= least)
-                ++found.free;
-            else
-                found.slowest = std::min(found.slowest, std::sqrt(own.surely / (own.grows ? kFixed : 1))),
-                found.growing += own.grows;
+    std::vector<Strained> all;
+    std::ptrdiff_t free = -1;
+    for (int pass = 0; pass < kPasses; ++pass) {
+        all = iterate_slow(shapes, shift);
+        const auto now = std::ranges::count_if(all, [&](const Strained& own) { return own.surely <= most_hidden(); });
+        if (now == free || all.empty()) break;
+        free = now;
     }
-    return found;
+    return all;
 }
 
 /// Inverse iteration, and what strain makes of the shapes, the least strained first.
@@ -168,29 +181,40 @@ bool SlowMotions::part_by_strain(std::vector<FrameVector>& shapes) const {
     return true;
 }
 
-/// The shapes of so many motions that nothing strains, or least, and how much; a machine may have no more motions than that.
 SlowMotions::Strained SlowMotions::find_free(size_t count, double shift, std::vector<FrameVector>& shapes) {
-    shift = std::min(shift, looked_at_.shift);
-    const bool is_hard = looked_at_.count > 0;  // else guards cost more than they help
-    for (const size_t more : {is_hard ? kGuards : 0, is_hard ? 0 : kGuards}) {
-        shapes = inverse_.random_shapes(std::max(count, looked_at_.count) + more);
-        std::vector<Strained> all;
-        // What slow modes leave in the shapes falls by shift/(shift + λ) per round: until what is strained is rounding
-        double last, before = std::numeric_limits<double>::infinity();
-        for (;; before = last) {
-            all = iterate_slow(shapes, shift);
-            if (all.size() < count) break;
-            all.resize(count);
-            last = all.back().surely;
-            if (!(last > 0 && last < 0.5 * before)) break;
-        }
-        if (all.size() < count) continue;
-        shapes.resize(count);
-        Strained found{std::min(last, before), 0, false};
-        for (const Strained& own : all) found.most = std::max(found.most, own.most), found.grows = found.grows || own.grows;
-        return found;
+    // Where counts are noise, or these many are not distinguished, among more and from farther
+    std::optional<Strained> found = find_least(count, count, shift, shapes);
+    if (found && found->surely <= kStrain * rounding()) return *found;
+    for (const size_t more : {kGuards, size_t{0}}) {
+        std::vector<FrameVector> others;
+        const std::optional<Strained> among =
+            find_least(count, std::max(count, looked_at_.count) + more, std::min(shift, looked_at_.shift), others);
+        if (!among || (found && found->surely <= among->surely)) continue;
+        found = among;
+        shapes = std::move(others);
     }
-    throw Error(DTTMM_ERROR_NUMERIC, "the shapes of the rigid-body modes were not found");
+    if (!found) throw Error(DTTMM_ERROR_NUMERIC, "the shapes of the rigid-body modes were not found");
+    return *found;
+}
+
+/// The least strained among so many; nothing: they cannot be distinguished.
+std::optional<SlowMotions::Strained> SlowMotions::find_least(size_t count, size_t among, double shift,
+                                                             std::vector<FrameVector>& shapes) {
+    shapes = inverse_.random_shapes(among);
+    // What slow modes leave in the shapes falls by shift/(shift + λ) per round: until what is strained is rounding
+    std::vector<Strained> all;
+    double last, before = std::numeric_limits<double>::infinity();
+    for (;; before = last) {
+        all = iterate_slow(shapes, shift);
+        if (all.size() < count) return std::nullopt;
+        all.resize(count);
+        last = std::ranges::max(all, {}, &Strained::surely).surely;
+        if (!(last > 0 && last < 0.5 * before)) break;
+    }
+    shapes.resize(count);
+    Strained found{std::min(last, before), 0, false};
+    for (const Strained& own : all) found.most = std::max(found.most, own.most), found.grows = found.grows || own.grows;
+    return found;
 }
 
 }  // namespace dttmm::plugin

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -31,6 +30,8 @@ public:
     double quiet();
     /// They may not do so there. [after quiet()]
     bool is_noisy() const { return is_noisy_; }
+    /// Motions that certainly grow, where they are too many to be looked at. [after quiet()]
+    std::optional<int> grow_fast() const { return grow_fast_; }
 
     /// Of shapes of unit modal mass: the size of λ by their strain, beyond rounding of it, and with that.
     struct Strained {
@@ -41,14 +42,10 @@ public:
     Strained find_free(size_t count, double shift, std::vector<FrameVector>& shapes);
 
 private:
-    /// Of motions next to λ = 0.
-    struct Slow {
-        int free = 0, growing = 0;                                 ///< strained by no more than rounding; the others: grow
-        double slowest = std::numeric_limits<double>::infinity();  ///< of the others [rad/s]
-    };
     int count(double omega);
     std::optional<double> look_for_noise(double base, double far);
-    std::optional<Slow> look_at_slow(size_t count, double shift);
+    std::vector<Strained> look_at_slow(size_t count, double shift);
+    std::optional<Strained> find_least(size_t count, size_t among, double shift, std::vector<FrameVector>& shapes);
     std::vector<Strained> iterate_slow(std::vector<FrameVector>& shapes, double shift);
     std::vector<Strained> strain_of(const std::vector<FrameVector>& shapes) const;
     bool part_by_strain(std::vector<FrameVector>& shapes) const;
@@ -57,6 +54,7 @@ private:
     InverseIteration inverse_;
     std::optional<double> quiet_;  ///< nothing: not looked at yet
     bool is_noisy_ = false;
+    std::optional<int> grow_fast_;
     /// So many motions next to a shift were looked at to find it.
     struct {
         size_t count = 0;

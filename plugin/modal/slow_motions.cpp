@@ -33,7 +33,7 @@ constexpr size_t kGuards = 4;
 /// 1e-2, none fails.
 constexpr double kSame = 1e-6;
 /// Not of more motions: the strain of 90 took 0.4 s. No test bounds it.
-constexpr int kMostShapes = 40;
+constexpr size_t kMostShapes = 40;
 /// Of inverse iteration, until as many are free as before. Two are enough for 400 trusses.
 constexpr int kPasses = 5;
 /// Of ω: a frequency hit to rounding has no count; so little beside it there is one.
@@ -72,7 +72,7 @@ std::optional<double> SlowMotions::look_for_noise(double base, double far) {
     const double shift = -kFixed * far * far;
     const int above = count(far), fast = stiffness_.count(2 * shift - far * far).value_or(above);  // as far from the shift
     if (above <= fast) return base;
-    if (above - fast > kMostShapes) {
+    if (as_size(above - fast) > kMostShapes) {
         grow_fast_ = fast;
         return base;
     }
@@ -113,7 +113,7 @@ std::vector<SlowMotions::Strained> SlowMotions::look_at_slow(size_t count, doubl
     std::vector<Strained> all;
     std::ptrdiff_t free = -1;
     for (int pass = 0; pass < kPasses; ++pass) {
-        all = iterate_slow(shapes, shift);
+        all = iterate_slow(shapes, shift, true);
         const auto now = std::ranges::count_if(all, [&](const Strained& own) { return own.surely <= most_hidden(); });
         if (now == free || all.empty()) break;
         free = now;
@@ -121,12 +121,13 @@ std::vector<SlowMotions::Strained> SlowMotions::look_at_slow(size_t count, doubl
     return all;
 }
 
-/// Inverse iteration, and what strain makes of the shapes, the least strained first.
-std::vector<SlowMotions::Strained> SlowMotions::iterate_slow(std::vector<FrameVector>& shapes, double shift) {
+/// Inverse iteration, and what strain makes of the shapes, the least strained first where they are parted.
+std::vector<SlowMotions::Strained> SlowMotions::iterate_slow(std::vector<FrameVector>& shapes, double shift, bool parts) {
     if (inverse_.iterate(shapes, shift).empty()) return {};
     stiffness_.set(0);
     std::vector<Strained> all = strain_of(shapes);
-    if (std::ranges::all_of(all, [&](const Strained& one) { return one.surely <= kStrain * rounding(); })) return all;
+    const auto is_free = [&](const Strained& one) { return one.surely <= kStrain * rounding(); };
+    if (!parts || std::ranges::all_of(all, is_free)) return all;
     if (!part_by_strain(shapes)) return {};
     all = strain_of(shapes);
     std::vector<size_t> order(shapes.size());
@@ -186,9 +187,10 @@ SlowMotions::Strained SlowMotions::find_free(size_t count, double shift, std::ve
     std::optional<Strained> found = find_least(count, count, shift, shapes);
     if (found && found->surely <= kStrain * rounding()) return *found;
     for (const size_t more : {kGuards, size_t{0}}) {
+        const size_t size = std::max(count, looked_at_.count) + more;
+        if (size > kMostShapes + kGuards) continue;
         std::vector<FrameVector> others;
-        const std::optional<Strained> among =
-            find_least(count, std::max(count, looked_at_.count) + more, std::min(shift, looked_at_.shift), others);
+        const std::optional<Strained> among = find_least(count, size, std::min(shift, looked_at_.shift), others);
         if (!among || (found && found->surely <= among->surely)) continue;
         found = among;
         shapes = std::move(others);
@@ -205,7 +207,7 @@ std::optional<SlowMotions::Strained> SlowMotions::find_least(size_t count, size_
     std::vector<Strained> all;
     double last, before = std::numeric_limits<double>::infinity();
     for (;; before = last) {
-        all = iterate_slow(shapes, shift);
+        all = iterate_slow(shapes, shift, among > count);
         if (all.size() < count) return std::nullopt;
         all.resize(count);
         last = std::ranges::max(all, {}, &Strained::surely).surely;

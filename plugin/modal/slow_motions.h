@@ -46,7 +46,7 @@ private:
     std::optional<double> look_for_noise(double base, double far);
     std::vector<Strained> look_at_slow(size_t count, double shift);
     std::optional<Strained> find_least(size_t count, size_t among, double shift, std::vector<FrameVector>& shapes);
-    std::vector<Strained> iterate_slow(std::vector<FrameVector>& shapes, double shift);
+    std::vector<Strained> iterate_slow(std::vector<FrameVector>& shapes, double shift, bool parts);
     std::vector<Strained> strain_of(const std::vector<FrameVector>& shapes) const;
     bool part_by_strain(std::vector<FrameVector>& shapes) const;
 

@@ -1282,5 +1282,90 @@ section = {{ EA = {}, EIy = {}, EIz = 31, GJ = 9, mass = 0.4, inertia = 3e-5 }}
                        frequencies_of(modes_of(strip(-9.81, kProbe), {"--count", "9"})), 1e-6);
 }
 
+// Oracle: 2 sqrt(T/(m a)) sin(k pi/(2 (n + 1))), each in two directions, and the same along the line with its stiffness. The
+// beads turn freely. Two shapes of one frequency may be found one by one, and are not the same.
+TEST(PreloadedModes, BeadsOnATautLineHaveTwoOfEachFrequency) {
+    constexpr int kBeads = 20;
+    constexpr double kMass = 0.02, kTension = 1, kStiffness = 1e6;
+    const Eigen::Vector3d step(0.06, 0.048, 0.064);
+    std::string text =
+        "format = \"dttmm/1\"\n[nodes]\ns = { position = [0, 0, 0], fixed = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"] "
+        "}\n";
+    const auto place = [&](int i) { return fmt::format("[{}, {}, {}]", i * step.x(), i * step.y(), i * step.z()); };
+    text +=
+        fmt::format("t = {{ position = {}, fixed = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"] }}\n", place(kBeads + 1));
+    for (int i = 1; i <= kBeads; ++i)
+        text += fmt::format("[[body]]\nname = \"b{}\"\nmass = {}\ninertia = [1e-6, 1e-6, 1e-6]\nposition = {}\n", i, kMass,
+                            place(i));
+    for (int i = 0; i <= kBeads; ++i)
+        text += fmt::format(
+            "[[element]]\nname = \"k{}\"\ntype = \"axial_spring\"\nfrom = \"{}\"\nto = \"{}\"\nstiffness = {}\npreload = "
+            "{}\n",
+            i, i == 0 ? "s" : fmt::format("b{}", i), i == kBeads ? "t" : fmt::format("b{}", i + 1), kStiffness, kTension);
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", text);
+    const Ended ended = run_dttmm(folder.path(), {"modes", "m.toml", "--json", "--count", "120", "-o", "out"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    std::vector<double> expected(3 * kBeads, 0.0);
+    for (int k = 1; k <= kBeads; ++k) {
+        const double wave = std::sin(k * M_PI / (2 * (kBeads + 1))) / M_PI;
+        expected.insert(expected.end(), 2, std::sqrt(kTension / (kMass * step.norm())) * wave);
+        expected.push_back(std::sqrt(kStiffness / kMass) * wave);
+    }
+    expect_frequencies(frequencies_of(nlohmann::json::parse(ended.out)), sorted(expected), 1e-8);
+}
+
+// Oracle: w^2 = (k - m g h)/(J + m h^2), 3 to 4 times what rounding of the stiff slider beside it makes of a frequency.
+TEST(PreloadedModes, APendulumNearRoundingGrowsOrVibrates) {
+    constexpr double kMass = 5, kHeight = 0.7, kAboutPin = 0.245 + kMass * kHeight * kHeight;
+    for (const double frequency : {-0.005, -0.0039, 0.0039, 0.005}) {
+        const double omega = 2 * M_PI * frequency, stiffness = kMass * 9.81 * kHeight + kAboutPin * omega * std::abs(omega);
+        const std::string text = fmt::format(R"toml(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[[body]]
+name = "block"
+mass = 10
+inertia = [1, 1, 1]
+position = [2, 0, 0]
+[[body]]
+name = "arm"
+mass = {0}
+inertia = [0.245, 0.245, 0.245]
+position = [0, 0, {1}]
+[[joint]]
+name = "guide"
+type = "slider"
+between = ["ground", "block"]
+axis = [0, 0, 1]
+[[joint]]
+name = "pin"
+type = "hinge"
+between = ["ground", "arm"]
+anchor = [0, 0, 0]
+axis = [0, 1, 0]
+[[element]]
+name = "stiff"
+type = "spring_damper"
+from = "ground"
+to = "block"
+stiffness = [0, 0, 1e9]
+[[element]]
+name = "soft"
+type = "spring_damper"
+from = "ground"
+to = "arm"
+rotational_stiffness = [0, {2:.17g}, 0]
+)toml",
+                                             kMass, kHeight, stiffness);
+        const AtRest rest = rest_of(text);
+        EXPECT_EQ(rest.summary["growing_motions"], frequency < 0 ? 1 : 0) << frequency;
+        EXPECT_EQ(rest.summary["free_motions"], 0) << frequency;
+        const std::vector<double> found = frequencies_of(modes_of(text, {"--count", "2"}));
+        ASSERT_EQ(found.size(), 2u) << frequency;
+        EXPECT_NEAR(found[0], frequency, 1e-6 * std::abs(frequency));
+    }
+}
+
 }  // namespace
 }  // namespace dttmm::host

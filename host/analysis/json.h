@@ -141,7 +141,8 @@ private:
         for (size_type i = 0; i < this->size(); ++i) note(i);
     }
 
-    mutable std::vector<std::uint32_t> slots_;  ///< 1 + position of a member, or 0; empty: not built
+    /// 1 + position of a member, or 0; empty: not built. The first look at many members builds it, so mutable.
+    mutable std::vector<std::uint32_t> slots_;
 };
 
 /// Members stay in the order written.

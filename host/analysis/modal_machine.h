@@ -111,7 +111,8 @@ private:
     ModalDescription description_;
     ModalInstance instance_;
     std::vector<ModalPlace> places_;
-    mutable std::vector<std::optional<Eigen::Matrix<double, 6, 12>>> joint_turning_;  ///< of the joints asked for
+    /// Of the joints asked for: found at the first question, so mutable.
+    mutable std::vector<std::optional<Eigen::Matrix<double, 6, 12>>> joint_turning_;
 };
 
 /// Names of the six directions, in order.

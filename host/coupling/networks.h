@@ -116,7 +116,7 @@ private:
     std::vector<size_t> first_part_;  ///< of every instance
 
     double step_size_ = 0;
-    // Written by plugins:
+    // Plugins write here in calls that change nothing else, so mutable:
     mutable GuardedArray numbers_;                 ///< blocks or outputs of the instance at hand
     mutable std::vector<GuardedArray> positions_;  ///< of every instance, where lines are watched
     uint32_t stations_ = 0;

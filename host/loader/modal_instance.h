@@ -99,7 +99,8 @@ private:
     const dttmm_modal_table* table_;
     std::unique_ptr<dttmm_modal, void (*)(dttmm_modal*)> modal_;
     std::vector<std::string> element_names_;
-    mutable volatile int32_t at_work_ = -1;  ///< the element that the plugin works on
+    /// The element that the plugin works on: it writes here in calls that change nothing else, so mutable.
+    mutable volatile int32_t at_work_ = -1;
     size_t body_count_, node_count_, constraint_count_;
     ModalInstance* middle_ = nullptr;  ///< that responses are linear about; null: none
 };

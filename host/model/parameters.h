@@ -96,7 +96,8 @@ private:
     std::vector<Entry> entries_;
     std::map<std::string, std::size_t, std::less<>> index_;
     Constants constants_;
-    mutable std::set<std::string> used_;  ///< names in the expressions that were evaluated
+    /// Names in the expressions that were evaluated. Evaluation changes no parameter, so mutable.
+    mutable std::set<std::string> used_;
 };
 
 }  // namespace dttmm::host

@@ -127,7 +127,12 @@ std::vector<SlowMotions::Strained> SlowMotions::iterate_slow(std::vector<FrameVe
     stiffness_.set(0);
     std::vector<Strained> all = strain_of(shapes);
     const auto is_free = [&](const Strained& one) { return one.surely <= kStrain * rounding(); };
-    if (!parts || std::ranges::all_of(all, is_free)) return all;
+    if (!parts || std::ranges::all_of(all, is_free)) {
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> span(masses_of(shapes), Eigen::EigenvaluesOnly);
+        const bool are_apart = span.eigenvalues().minCoeff() > kSame * span.eigenvalues().maxCoeff();
+        if (are_apart) return all;
+        if (!parts) return {};
+    }
     if (!part_by_strain(shapes)) return {};
     all = strain_of(shapes);
     std::vector<size_t> order(shapes.size());
@@ -154,24 +159,31 @@ std::vector<SlowMotions::Strained> SlowMotions::strain_of(const std::vector<Fram
     return all;
 }
 
+/// The mass between every two shapes.
+Eigen::MatrixXd SlowMotions::masses_of(const std::vector<FrameVector>& shapes) const {
+    const auto n = as_row(shapes.size());
+    Eigen::MatrixXd mass(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        const FrameVector momenta = stiffness_.mass_times(shapes[as_size(i)]);
+        for (Eigen::Index j = 0; j <= i; ++j) mass(i, j) = mass(j, i) = dot(shapes[as_size(j)], momenta);
+    }
+    return mass;
+}
+
 /// Mixes shapes so that what nothing strains stands apart from what vibrates slowly. D cannot tell them apart: its rounding
 /// is that of the largest stiffness. Of shapes that say the same one is left.
 bool SlowMotions::part_by_strain(std::vector<FrameVector>& shapes) const {
     const auto n = as_row(shapes.size());
     const auto energy = [&](const FrameVector& shape) { return sum(strain_energies(stiffness_, shape)).energy; };
-    Eigen::MatrixXd strain(n, n), mass(n, n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-        strain(i, i) = energy(shapes[as_size(i)]);
-        const FrameVector momenta = stiffness_.mass_times(shapes[as_size(i)]);
-        for (Eigen::Index j = 0; j <= i; ++j) mass(i, j) = mass(j, i) = dot(shapes[as_size(j)], momenta);
-    }
+    Eigen::MatrixXd strain(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) strain(i, i) = energy(shapes[as_size(i)]);
     for (Eigen::Index i = 0; i < n; ++i)
         for (Eigen::Index j = 0; j < i; ++j) {
             FrameVector both = shapes[as_size(i)];
             for (size_t f = 0; f < both.size(); ++f) both[f] += shapes[as_size(j)][f];
             strain(i, j) = strain(j, i) = 0.5 * (energy(both) - strain(i, i) - strain(j, j));
         }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> span(mass);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> span(masses_of(shapes));
     if (span.info() != Eigen::Success || !span.eigenvectors().allFinite()) return false;
     const Eigen::Index rank = (span.eigenvalues().array() > kSame * span.eigenvalues().maxCoeff()).count();
     const Eigen::MatrixXd unit =
@@ -214,7 +226,7 @@ std::optional<SlowMotions::Strained> SlowMotions::find_least(size_t count, size_
         if (!(last > 0 && last < 0.5 * before)) break;
     }
     shapes.resize(count);
-    Strained found{std::min(last, before), 0, false};
+    Strained found{last, 0, false};
     for (const Strained& own : all) found.most = std::max(found.most, own.most), found.grows = found.grows || own.grows;
     return found;
 }

@@ -48,6 +48,7 @@ private:
     std::optional<Strained> find_least(size_t count, size_t among, double shift, std::vector<FrameVector>& shapes);
     std::vector<Strained> iterate_slow(std::vector<FrameVector>& shapes, double shift, bool parts);
     std::vector<Strained> strain_of(const std::vector<FrameVector>& shapes) const;
+    Eigen::MatrixXd masses_of(const std::vector<FrameVector>& shapes) const;
     bool part_by_strain(std::vector<FrameVector>& shapes) const;
 
     DynamicStiffness& stiffness_;

@@ -56,8 +56,8 @@ constexpr double kClosed = 1e-9;
 constexpr double kContradiction = 1e-5;
 /// Of a step that may pass a kink.
 constexpr double kOfKink = 0.25;
-/// Of the way of a step, without which the machine goes back: after a jump by less, as its step is short. Statics.Slanted...
-/// fails at 0.
+/// Of the distance that a step moves. Without its load the machine goes back by less only after a jump, for the step is
+/// short. Statics.Slanted... fails at 0.
 constexpr double kReturns = 0.1;
 /// Load steps are halved down to this share of the load.
 constexpr double kLeastStep = 1.0 / 1024;

@@ -23,10 +23,10 @@ constexpr double kSplit = 1e-14;
 /// Of the range looked at: lower frequencies are taken for zero, as rounding splits equal ones by their λ. Range 1e-9 or
 /// less to 2e-7 (ASlowSpringIsNoRigidBodyMode).
 const double kLowest = std::sqrt(kSplit);
-/// Strain that motions listed with 0 Hz may have is told, where it makes more than such a share of λ where counts begin.
+/// Strain that motions listed with 0 Hz may have is reported where it makes more than such a share of λ where counts begin.
 /// Range 1.1e-4 (below it Trusses.ALoadedTrussOnBallJoints...) to 1.2e-3 (above it a pendulum of 0.001 Hz, which spins hide,
 /// is listed with 0 Hz without a word; no test bounds it there).
-constexpr double kTold = 4e-4;
+constexpr double kReported = 4e-4;
 /// Frequencies so near each other count as equal, unless the count can tell them apart. Range 2e-11 to 2e-7, none fails.
 constexpr double kEqual = 2e-9;
 /// Beside a frequency: there D can be factored, and inside an interval of kEqual.
@@ -142,9 +142,10 @@ void ModeFinder::refuse_noise(const char* what, int growing) const {
     if (!slow_.is_noisy() && growing == slow_.grow_fast().value_or(growing)) return;
     throw Error(
         DTTMM_ERROR_NUMERIC,
-        fmt::format("{} cannot be told from what vibrates slowly: rounding of the stiffest parts hides it. Make these "
-                    "parts rigid{}",
-                    what, of_load()));
+        fmt::format(
+            "{} cannot be distinguished from what vibrates slowly: rounding of the stiffest parts hides it. Make these "
+            "parts rigid{}",
+            what, of_load()));
 }
 
 void ModeFinder::refuse_growing() {
@@ -258,7 +259,7 @@ void ModeFinder::find_rigid(int count, double lowest) {
     const bool is_strained = strained > SlowMotions::kStrain * least;
     // Where counts begin to hold above rounding, they do not say how slow is what they have below
     const bool may_be =
-        slow_.quiet() > std::sqrt(slow_.rounding()) && most > std::max(slow_.most_hidden(), kTold * lowest * lowest);
+        slow_.quiet() > std::sqrt(slow_.rounding()) && most > std::max(slow_.most_hidden(), kReported * lowest * lowest);
     if (is_strained && !is_hidden) {
         // Growth is counted from that shift on. The strain is known to some parts of itself only
         const double slow = std::sqrt(strained), limit = std::max(slow, grows ? std::sqrt(-shift) : lowest);

@@ -19,6 +19,8 @@ namespace {
 /// Rounding of a rigid-body mode's λ, as share of the largest stiffness over the whole mass. Range 1e-13 (below it
 /// RandomTrees) to 2e-12 (above it ASlowSpringIsNoRigidBodyMode).
 constexpr double kRigidRounding = 1e-12;
+/// Of rounding. Not varied.
+constexpr double kHidden = 16;
 /// Of √rounding: what rounding makes of spins with little inertia reaches so far, as a rule and at most. Range 1024 (at 512
 /// Trusses.ALoadedTruss...) to 4096, none fails; 8192 (at 1024 Trusses.APendulumBesideThem...) to 65536, none fails.
 constexpr double kNoise = 1024, kMostNoise = 16384;
@@ -36,14 +38,12 @@ constexpr double kSame = 1e-6;
 constexpr size_t kMostShapes = 40;
 /// Of inverse iteration, until as many are free as before. Two are enough for 400 trusses.
 constexpr int kPasses = 5;
-/// Of ω: a frequency hit to rounding has no count; so little beside it there is one.
-constexpr double kBeside = 5e-10;
 
 }  // namespace
 
 double SlowMotions::rounding() const { return kRigidRounding * stiffness_.stiffest(); }
 
-double SlowMotions::most_hidden() const { return 16 * rounding(); }
+double SlowMotions::most_hidden() const { return kHidden * rounding(); }
 
 double SlowMotions::quiet() {
     if (quiet_) return *quiet_;
@@ -55,14 +55,14 @@ double SlowMotions::quiet() {
     return *quiet_;
 }
 
+/// -1: not known.
 int SlowMotions::count(double omega) {
     try {
         stiffness_.cut(omega);
-        for (const double at : {omega, omega * (1 + kBeside)})
-            if (const auto count = stiffness_.count(at * at)) return *count;
+        return stiffness_.count(omega * omega).value_or(-1);
     } catch (const Error&) {
+        return -1;
     }
-    return -1;
 }
 
 /// The spin of a thin rod between joints has so little inertia that rounding makes more of its λ than rounding() says. What
@@ -83,8 +83,7 @@ std::optional<double> SlowMotions::look_for_noise(double base, double far) {
     for (const size_t more : {kGuards, size_t{0}}) {
         const std::vector<Strained> all = look_at_slow(as_size(above - fast) + more, shift);
         if (all.empty()) continue;
-        // Forces at rest balance to some digits only, and may leave strain where nothing holds: at first it is not thought
-        // of
+        // Forces at rest balance to some digits only, and may leave strain where nothing holds: the second attempt allows it
         for (const double least : {kStrain * rounding(), most_hidden()}) {
             if (least == most_hidden() && !stiffness_.model().is_at_rest) break;
             int free = 0, growing = 0;
@@ -198,14 +197,14 @@ SlowMotions::Strained SlowMotions::find_free(size_t count, double shift, std::ve
     // Where counts are noise, or these many are not distinguished, among more and from farther
     std::optional<Strained> found = find_least(count, count, shift, shapes);
     if (found && found->surely <= kStrain * rounding()) return *found;
-    for (const size_t more : {kGuards, size_t{0}}) {
-        const size_t size = std::max(count, looked_at_.count) + more;
-        if (size > kMostShapes + kGuards) continue;
+    const size_t size = std::max(count, looked_at_.count) + kGuards;
+    if (size <= kMostShapes + kGuards) {
         std::vector<FrameVector> others;
         const std::optional<Strained> among = find_least(count, size, std::min(shift, looked_at_.shift), others);
-        if (!among || (found && found->surely <= among->surely)) continue;
-        found = among;
-        shapes = std::move(others);
+        if (among && (!found || among->surely < found->surely)) {
+            found = among;
+            shapes = std::move(others);
+        }
     }
     if (!found) throw Error(DTTMM_ERROR_NUMERIC, "the shapes of the rigid-body modes were not found");
     return *found;

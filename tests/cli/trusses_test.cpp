@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cli/modes_run.h"
+#include "cli/pendulum.h"
 #include "cli/static_run.h"
 
 namespace dttmm::host {
@@ -140,34 +141,7 @@ TEST(Trusses, ASlowSpinBesideFreeOnesIsRightOrRefused) {
     EXPECT_GT(found, 0);
 }
 
-/// A body upside down on a hinge, which a spring holds so that it vibrates with a frequency under a gravity of 9.81 m/s^2;
-/// negative: it grows.
-std::string pendulum(double frequency) {
-    constexpr double kMass = 4.9, kArm = 0.51, kInertia = 0.127;
-    const double omega = 2 * M_PI * frequency;
-    const double stiffness = (kInertia + kMass * kArm * kArm) * omega * std::abs(omega) + kMass * 9.81 * kArm;
-    return fmt::format(R"toml([[body]]
-name = "p"
-mass = {0}
-inertia = [{1}, {1}, {1}]
-position = [5, 0, {2}]
-[[joint]]
-name = "hinge"
-type = "hinge"
-between = ["ground", "p"]
-anchor = [5, 0, 0]
-axis = [0, 1, 0]
-[[element]]
-name = "spring"
-type = "spring_damper"
-from = "ground"
-to = "p"
-rotational_stiffness = [0, {3:.17g}, 0]
-)toml",
-                       kMass, kInertia, kArm, stiffness);
-}
-
-// Oracle: the pendulum's frequency; every rod spins freely. What rounding hides is refused or told, by both commands.
+// Oracle: the pendulum's frequency; every rod spins freely. What rounding hides is refused or reported, by both commands.
 TEST(Trusses, APendulumBesideThemIsRightOrRefused) {
     int right = 0, known = 0;
     for (const double frequency : {0.3, 0.03, 0.003, -0.003, -0.3})

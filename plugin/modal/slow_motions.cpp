@@ -194,17 +194,21 @@ bool SlowMotions::part_by_strain(std::vector<FrameVector>& shapes) const {
 }
 
 SlowMotions::Strained SlowMotions::find_free(size_t count, double shift, std::vector<FrameVector>& shapes) {
-    // Where counts are noise, or these many are not distinguished, among more and from farther
-    std::optional<Strained> found = find_least(count, count, shift, shapes);
-    if (found && found->surely <= kStrain * rounding()) return *found;
-    const size_t size = std::max(count, looked_at_.count) + kGuards;
-    if (size <= kMostShapes + kGuards) {
+    const struct {
+        size_t among;
+        double shift;
+    } attempts[] = {{count, shift},
+                    {count + kGuards, shift},
+                    {std::max(count, looked_at_.count) + kGuards, std::min(shift, looked_at_.shift)}};
+    std::optional<Strained> found;
+    for (const auto& [among, at] : attempts) {
+        if (among > std::max(count, kMostShapes + kGuards)) continue;
         std::vector<FrameVector> others;
-        const std::optional<Strained> among = find_least(count, size, std::min(shift, looked_at_.shift), others);
-        if (among && (!found || among->surely < found->surely)) {
-            found = among;
-            shapes = std::move(others);
-        }
+        const std::optional<Strained> strained = find_least(count, among, at, others);
+        if (!strained || (found && found->surely <= strained->surely)) continue;
+        found = strained;
+        shapes = std::move(others);
+        if (found->surely <= kStrain * rounding()) break;
     }
     if (!found) throw Error(DTTMM_ERROR_NUMERIC, "the shapes of the rigid-body modes were not found");
     return *found;

@@ -416,9 +416,9 @@ double DynamicStiffness::stiffest() const {
     double largest = 0;
     for (const Bond& bond : model_.bonds) largest = std::max(largest, bond.stiffness.diagonal().head<3>().maxCoeff());
     for (const LineModel& line : model_.lines) largest = std::max(largest, line.line.section.EA / piece_length(line));
-    if (largest == 0)  // what hangs or stands on joints, and turns against springs
-        return std::max(model_.stiffest_turning(), model_.stiffest_hinge());
-    return model_.total_mass > 0 ? largest / model_.total_mass : 0;
+    const double translation = model_.total_mass > 0 ? largest / model_.total_mass : 0;
+    const double turning = largest == 0 ? model_.stiffest_turning() : 0;  // what hangs or stands on joints
+    return std::max({translation, turning, model_.stiffest_hinge()});
 }
 
 }  // namespace dttmm::plugin

@@ -101,7 +101,8 @@ public:
         for (const FrequencyModel::Mass& mass : bar_masses_) body(mass);
     }
 
-    /// Largest stiffness over the whole mass [1/s²]; 0: nothing is stiff, or has a mass.
+    /// Largest stiffness over the whole mass, or against turning over the inertia of the whole [1/s²]; 0: nothing is stiff,
+    /// or has a mass.
     double stiffest() const;
 
 private:

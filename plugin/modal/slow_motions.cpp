@@ -19,25 +19,23 @@ namespace {
 /// Rounding of a rigid-body mode's λ, as share of the largest stiffness over the whole mass. Range 1e-13 (below it
 /// RandomTrees) to 2e-12 (above it ASlowSpringIsNoRigidBodyMode).
 constexpr double kRigidRounding = 1e-12;
-/// Of rounding. Not varied.
+/// Of rounding. At 8 and 32 no test fails, and of 300 trusses as many are right.
 constexpr double kHidden = 16;
 /// Of √rounding: what rounding makes of spins with little inertia reaches so far, as a rule and at most. Range 1024 (at 512
-/// Trusses.ALoadedTruss...) to 4096, none fails; 8192 (at 1024 Trusses.APendulumBesideThem...) to 65536, none fails.
+/// Trusses.ALoadedTruss...) to 2048, none fails; 8192 to 32768, none fails.
 constexpr double kNoise = 1024, kMostNoise = 16384;
-/// From one frequency at which they are counted to the next. At 2 the same trusses are right; at 8 six of 200 were wrong.
+/// From one frequency at which they are counted to the next. Of 300 trusses 134 are right, as with 2; with 8 it is 133.
 constexpr double kFiner = 4;
-/// From where counts are to hold to the slowest vibration. Of 400 trusses 180 are right with 1.2, 173 with 1.5, 166 with 3.
+/// From where counts are to hold to the slowest vibration. Of 300 trusses 139 are right with 1.1, 134 with 1.5, 130 with 3:
+/// there ModesAtRest.SlowGrowthIsSaid fails.
 constexpr double kApart = 1.5;
 /// Shapes beside those that are looked for: random ones have next to nothing of a spin, and find what is near instead. Of
-/// 400 trusses 147 are right with none, 160 with 2, 158 with 8.
+/// 300 trusses 137 are right with 2 and with 8.
 constexpr size_t kGuards = 4;
-/// Of unit mass: less is left of a shape that says what others do. Range 1e-9 (at 1e-12 Trusses.APendulumBesideThem...) to
-/// 1e-2, none fails.
+/// Of unit mass: less is left of a shape that says what others do. Range 1e-12 to 1e-3, none fails.
 constexpr double kSame = 1e-6;
 /// Not of more motions: the strain of 90 took 0.4 s. No test bounds it.
 constexpr size_t kMostShapes = 40;
-/// Of inverse iteration, until as many are free as before. Two are enough for 400 trusses.
-constexpr int kPasses = 5;
 
 }  // namespace
 
@@ -109,15 +107,8 @@ std::optional<double> SlowMotions::look_for_noise(double base, double far) {
 /// What strain makes of so many motions next to a shift; nothing: they cannot be distinguished.
 std::vector<SlowMotions::Strained> SlowMotions::look_at_slow(size_t count, double shift) {
     std::vector<FrameVector> shapes = inverse_.random_shapes(count);
-    std::vector<Strained> all;
-    std::ptrdiff_t free = -1;
-    for (int pass = 0; pass < kPasses; ++pass) {
-        all = iterate_slow(shapes, shift, true);
-        const auto now = std::ranges::count_if(all, [&](const Strained& own) { return own.surely <= most_hidden(); });
-        if (now == free || all.empty()) break;
-        free = now;
-    }
-    return all;
+    if (iterate_slow(shapes, shift, true).empty()) return {};
+    return iterate_slow(shapes, shift, true);
 }
 
 /// Inverse iteration, and what strain makes of the shapes, the least strained first where they are parted.

@@ -1581,6 +1581,56 @@ TEST(Statics, MotionsThatNothingHoldsAreNamed) {
     EXPECT_THAT(free["warnings"].dump(), HasSubstr("nothing holds 2 motions"));
 }
 
+// Oracle: by hand. The train turns as a whole, and the cover may go and turn where its springs have no stiffness.
+TEST(Statics, AShaftTrainBesideASoftSpringIsFreeToTurn) {
+    constexpr double kMasses[] = {0.763, 12.02, 6.55, 5.137, 289.8, 0.5654, 0.342, 196.1};
+    for (const double stiffness : {3e4, 9e5, 4e6}) {
+        std::string text = "format = \"dttmm/1\"\n";
+        for (int i = 0; i < 8; ++i) {
+            const double mass = kMasses[i], along = 0.2 * i;
+            const std::string centre = fmt::format("[{}, {}, {}]", 1.3 + 0.36 * along, 0.48 * along, 0.8 * along - 2.1);
+            text += fmt::format(R"toml([[body]]
+name = "disc{0}"
+mass = {1}
+inertia = [{2}, {2}, {3}]
+position = {4}
+rotation = {{ axis = [-0.8, 0.6, 0], angle = 0.6435011087932844 }}
+[[joint]]
+name = "bearing{0}"
+type = "hinge"
+between = ["ground", "disc{0}"]
+anchor = {4}
+axis = [0.36, 0.48, 0.8]
+)toml",
+                                i, mass, 0.06 * mass, 0.1 * mass, centre);
+            if (i > 0)
+                text += fmt::format(
+                    "[[element]]\nname = \"shaft{}\"\ntype = \"spring_damper\"\nfrom = \"disc{}\"\nto = \"disc{}\"\n"
+                    "rotational_stiffness = [0, 0, {}]\n",
+                    i, i - 1, i, stiffness);
+        }
+        text += R"toml([[body]]
+name = "cover"
+mass = 2.6425
+inertia = [0.2643, 0.3171, 0.3964]
+position = [-0.107, -1.42, -1.24]
+rotation = { axis = [-1.03, -0.5, -0.51], angle = 0.7755 }
+[[element]]
+name = "lug"
+type = "spring_damper"
+from = "ground"
+to = "cover"
+axes = "to"
+stiffness = [0.00446, 0.000183, 0]
+rotational_stiffness = [0.000479, 0, 0]
+)toml";
+        const nlohmann::json summary = rest_of(text).summary;
+        ASSERT_TRUE(summary.contains("free_motions")) << stiffness;
+        EXPECT_EQ(summary["free_motions"], 4) << stiffness;
+        EXPECT_EQ(summary["growing_motions"], 0) << stiffness;
+    }
+}
+
 // Oracle: by hand. Each body on a spring without rotational stiffness may turn about three axes: 18 motions have names, 21
 // not.
 TEST(Statics, ManyMotionsThatNothingHoldsAreOnlyCounted) {

@@ -7,13 +7,15 @@
 namespace dttmm::plugin {
 
 /// A hinge, bearing, guide or clevis: every direction a spring with a damper, rigid, or free. What is not named is rigid.
-/// Its axes are those of the `from` end; the force acts at the `to` end.
+/// A direction may have a law of its own. Its axes are those of the `from` end; the force acts at the `to` end.
 class ElasticHinge : public SingleJoint {
 public:
-    /// values: stiffness x y z [N/m] rx ry rz [N m/rad], infinite where rigid and 0 where free; damping likewise.
-    explicit ElasticHinge(std::span<const double, 13> values);
+    /// values: stiffness x y z [N/m] rx ry rz [N m/rad], infinite where rigid and 0 where free; damping likewise; then those
+    /// of the other parameters. Throws Error(DTTMM_ERROR_MODEL).
+    explicit ElasticHinge(std::span<const double> values);
 
-    static const dttmm_element_type kType;
+    /// Of each direction: its law and what laws need.
+    static const dttmm_element_type& type();
 };
 
 }  // namespace dttmm::plugin

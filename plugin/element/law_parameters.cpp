@@ -86,6 +86,21 @@ std::unique_ptr<const Law> LawParameters::make(std::span<const double> values) c
     return type.make(own.data());
 }
 
+std::array<std::shared_ptr<const Law>, 6> laws_of_directions(std::span<const double> values) {
+    std::array<std::shared_ptr<const Law>, 6> laws;
+    for (int d = 0; d < 6; ++d) {
+        const LawParameters& parameters = LawParameters::of_direction(d);
+        const size_t count = parameters.declared().size();
+        laws[as_size(d)] = parameters.make(values.first(count));
+        values = values.subspan(count);
+    }
+    return laws;
+}
+
+void TypeWithLaws::all_directions(Add add) {
+    for (int d = 0; d < 6; ++d) add(LawParameters::of_direction(d));
+}
+
 const dttmm_element_type& TypeWithLaws::get() {
     if (laws_ != law_types().size()) {
         laws_ = law_types().size();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -45,6 +46,9 @@ private:
     std::vector<dttmm_parameter> declared_;
 };
 
+/// What the values behind an element's own say of the law of each of six directions; null: none. Throws as make() does.
+std::array<std::shared_ptr<const Law>, 6> laws_of_directions(std::span<const double> values);
+
 /// An element type that has the parameters of laws behind its own: as many as there are laws.
 class TypeWithLaws {
 public:
@@ -54,6 +58,8 @@ public:
         : type_(type), own_(own), take_(take) {}
     /// Good until a law is added.
     const dttmm_element_type& get();
+    /// To be taken: the laws of six directions.
+    static void all_directions(Add add);
 
 private:
     dttmm_element_type type_;

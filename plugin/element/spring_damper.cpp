@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "element/spring_damper.h"
 
-#include <memory>
-
 #include "core/index.h"
 #include "element/law_parameters.h"
 #include "element/parameters.h"
@@ -26,9 +24,7 @@ const dttmm_element_type& SpringDamper::type() {
     static TypeWithLaws type(
         {"spring_damper", DTTMM_ENDS_FROM_TO, 0, nullptr,
          "springs and dampers in three translations and three rotations; a direction without either is free"},
-        kParameters, [](auto add) {
-            for (int d = 0; d < 6; ++d) add(LawParameters::of_direction(d));
-        });
+        kParameters, TypeWithLaws::all_directions);
     return type.get();
 }
 
@@ -41,15 +37,12 @@ SpringDamper::SpringDamper(std::span<const double> values) {
         law_.damping(3 + i) = at(3);
     }
     law_.loss_factor = values[kLossFactor];
-    std::span<const double> rest = values.subspan(kLinearValues);
+    const auto laws = laws_of_directions(values.subspan(kLinearValues));
     for (int d = 0; d < 6; ++d) {
-        const LawParameters& parameters = LawParameters::of_direction(d);
-        const std::span<const double> own = rest.first(parameters.declared().size());
-        rest = rest.subspan(own.size());
-        std::shared_ptr<const Law> law = parameters.make(own);
-        if (!law) continue;
-        if (law_.stiffness(d) > 0) parameters.refuse_stiffness(d < 3 ? "stiffness" : "rotational_stiffness");
-        law_.set(d, std::move(law));
+        if (!laws[as_size(d)]) continue;
+        if (law_.stiffness(d) > 0)
+            LawParameters::of_direction(d).refuse_stiffness(d < 3 ? "stiffness" : "rotational_stiffness");
+        law_.set(d, laws[as_size(d)]);
     }
 }
 

@@ -1581,6 +1581,43 @@ TEST(Statics, MotionsThatNothingHoldsAreNamed) {
     EXPECT_THAT(free["warnings"].dump(), HasSubstr("nothing holds 2 motions"));
 }
 
+// Oracle: k θ + k3 θ³ = M about the axis of the hinge, rigid in its other directions; vibration there by the tangent.
+TEST(Statics, AHingeWithALawTurnsAsItSays) {
+    const std::string model = R"toml(format = "dttmm/1"
+[nodes]
+base = { position = [0.3, -0.2, 0.1], rotation = { axis = [0.36, 0.48, 0.8], angle = 0.7 }, fixed = ["x", "y", "z", "rx", "ry", "rz"] }
+arm = { position = [0.3, -0.2, 0.1], rotation = { axis = [0.36, 0.48, 0.8], angle = 0.7 } }
+[[element]]
+name = "pivot"
+type = "elastic_hinge"
+from = "base"
+to = "arm"
+rz = { law = "cubic", stiffness = 40, cubic = 900 }
+[[element]]
+name = "wheel"
+type = "rigid_body"
+at = "arm"
+mass = 2.1
+inertia = { xx = 0.03, yy = 0.05, zz = 0.06 }
+[[load]]
+on = "arm"
+direction = [0, 0, 1]
+moment = 30
+)toml";
+    // z of the hinge by Rodrigues' formula
+    const Eigen::Vector3d k(0.36, 0.48, 0.8),
+        z = Eigen::Vector3d::UnitZ(),
+        axis = std::cos(0.7) * z + std::sin(0.7) * k.cross(z) + (1 - std::cos(0.7)) * k.dot(z) * k;
+    const double moment = 30 * axis.z();
+    double turn = 0.3;
+    for (int i = 0; i < 50; ++i) turn -= (40 * turn + 900 * turn * turn * turn - moment) / (40 + 2700 * turn * turn);
+    const AtRest rest = rest_of(model);
+    EXPECT_NEAR(std::hypot(rest.row.at("arm.rotation.x"), rest.row.at("arm.rotation.y"), rest.row.at("arm.rotation.z")),
+                turn, 1e-9);
+    EXPECT_NEAR(rest.row.at("pivot.moment.z"), moment, 1e-9);
+    expect_frequencies(frequencies_of(modes_of(model)), {std::sqrt((40 + 2700 * turn * turn) / 0.06) / (2 * M_PI)}, 1e-8);
+}
+
 // Oracle: by hand. The train turns as a whole, and the cover may go and turn where its springs have no stiffness.
 TEST(Statics, AShaftTrainBesideASoftSpringIsFreeToTurn) {
     constexpr double kMasses[] = {0.763, 12.02, 6.55, 5.137, 289.8, 0.5654, 0.342, 196.1};

@@ -21,14 +21,14 @@ using test::Given;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 ElasticHinge hinge(const Given& given) {
-    const std::vector<double> values = test::values_of(ElasticHinge::kType, given);
-    return ElasticHinge(std::span<const double, 13>(values));
+    const std::vector<double> values = test::values_of(ElasticHinge::type(), given);
+    return ElasticHinge(values);
 }
 
 /// The number that a word of a parameter stands for.
 double word(const char* parameter, const std::string& name) {
-    for (uint32_t p = 0; p < ElasticHinge::kType.parameter_count; ++p) {
-        const dttmm_parameter& declared = ElasticHinge::kType.parameters[p];
+    for (uint32_t p = 0; p < ElasticHinge::type().parameter_count; ++p) {
+        const dttmm_parameter& declared = ElasticHinge::type().parameters[p];
         for (uint32_t w = 0; w < declared.word_count; ++w)
             if (declared.name == std::string(parameter) && declared.words[w].name == name) return declared.words[w].value;
     }
@@ -107,13 +107,38 @@ TEST(ElasticHinge, DampingInARigidDirectionIsRefused) {
     }
 }
 
+// Oracle: the law's tangent at rest, k; a direction with a law is not rigid, though it is not named.
+TEST(ElasticHinge, ADirectionMayHaveALawOfItsOwn) {
+    const double cubic = word("ry.law", "cubic");
+    const Given own = {{"ry.law", {cubic}}, {"ry.stiffness", {40}}, {"ry.cubic", {-7}}};
+    Given given = own;
+    given.insert({"damping.ry", {0.3}});
+    const JointLaw law = hinge(given).law();
+    EXPECT_EQ(law.rigid, Directions(0b101111));
+    ASSERT_TRUE(law.laws[4]);
+    EXPECT_EQ(law.laws[4]->first(0.5).force, 40 * 0.5 - 7 * 0.125);
+    EXPECT_EQ(law.stiffness, (Vector6() << 0, 0, 0, 0, 40, 0).finished());
+    EXPECT_EQ(law.damping(4), 0.3);
+    given = own;
+    given.insert({"stiffness.ry", {word("stiffness.ry", "free")}});
+    EXPECT_NO_THROW(hinge(given));
+    given = own;
+    given.insert({"stiffness.ry", {12}});
+    try {
+        hinge(given);
+        ADD_FAILURE() << "not refused";
+    } catch (const Error& error) {
+        EXPECT_STREQ(error.what(), "stiffness: direction ry has a law; put 0 there, or leave ry out");
+    }
+}
+
 // Infinity is allowed as the value of a word, never for a damping, and nothing else that is not finite.
 TEST(ElasticHinge, OnlyTheWordIsInfinite) {
     uint32_t type = 0;
     while (std::string(element_types()[type].name) != "elastic_hinge") ++type;
     const auto accepts = [&](const Given& given) {
         try {
-            make_element(type, test::values_of(ElasticHinge::kType, given).data());
+            make_element(type, test::values_of(ElasticHinge::type(), given).data());
             return true;
         } catch (const Error& error) {
             EXPECT_EQ(error.status(), DTTMM_ERROR_ARGUMENT);

@@ -21,21 +21,35 @@ constexpr double kPeriod = 2 * M_PI / 1.97601636407125;
 constexpr double kSpeed = 3.4641016151377544;  // √(a² + a⁴/2)
 constexpr double kMass = 2.5;
 
-enum class Held { body, node };
+enum class Held { body, node, hinge };  // the last: a node on a hinge that is rigid but along its z
 
 /// The oscillator along an axis turned in space.
 std::string duffing(Held held, double step, double periods, const char* more = "") {
     const Eigen::Vector3d way =
         Eigen::AngleAxisd(0.7, Eigen::Vector3d(0.2, -0.6, 0.3).normalized()) * Eigen::Vector3d::UnitZ();
     const Eigen::Vector3d v = kSpeed * way;
-    const std::string parts =
-        held == Held::body
-            ? fmt::format("[[body]]\nname = \"m\"\nmass = {}\ninertia = [1, 2, 3]\nvelocity = [{}, {}, {}]\n", kMass, v.x(),
-                          v.y(), v.z())
-            : fmt::format(
-                  "[nodes]\nm = {{ position = [0, 0, 0], velocity = [{}, {}, {}], fixed = [\"rx\", \"ry\", \"rz\"] }}\n"
-                  "[[element]]\nname = \"mass\"\ntype = \"point_mass\"\nat = \"m\"\nmass = {}\n",
-                  v.x(), v.y(), v.z(), kMass);
+    const std::string speed = fmt::format("velocity = [{}, {}, {}]", v.x(), v.y(), v.z()),
+                      turned = "{ axis = [0.2, -0.6, 0.3], angle = 0.7 }",
+                      mass =
+                          fmt::format("[[element]]\nname = \"mass\"\ntype = \"point_mass\"\nat = \"m\"\nmass = {}\n", kMass);
+    std::string parts, spring;
+    switch (held) {
+        case Held::body:
+            parts = fmt::format("[[body]]\nname = \"m\"\nmass = {}\ninertia = [1, 2, 3]\n{}\n", kMass, speed);
+            break;
+        case Held::node:
+            parts = fmt::format("[nodes]\nm = {{ position = [0, 0, 0], {}, fixed = [\"rx\", \"ry\", \"rz\"] }}\n{}", speed,
+                                mass);
+            break;
+        case Held::hinge:
+            parts = fmt::format(
+                "[nodes]\nbase = {{ position = [0, 0, 0], rotation = {0}, fixed = [\"x\", \"y\", \"z\", \"rx\", "
+                "\"ry\", \"rz\"] }}\nm = {{ position = [0, 0, 0], rotation = {0}, {1} }}\n{2}",
+                turned, speed, mass);
+            break;
+    }
+    spring = held == Held::hinge ? "type = \"elastic_hinge\"\nfrom = \"base\"\n"
+                                 : fmt::format("type = \"spring_damper\"\nfrom = \"ground\"\naxes = {}\n", turned);
     return fmt::format(R"(
 [simulation]
 step = {}
@@ -46,13 +60,10 @@ step = {}
 {}
 [[element]]
 name = "spring"
-type = "spring_damper"
-from = "ground"
-to = "m"
-axes = {{ axis = [0.2, -0.6, 0.3], angle = 0.7 }}
+{}to = "m"
 z = {{ law = "cubic", stiffness = {}, cubic = {} }}
 )",
-                       step, periods * kPeriod, more, step, parts, kMass, kMass);
+                       step, periods * kPeriod, more, step, parts, spring, kMass, kMass);
 }
 
 double error_after_a_period(Held held, int steps) {
@@ -65,7 +76,7 @@ TEST(LawsOfSprings, DuffingsPeriodIsMetToSecondOrder) {
     double a = 1, g = std::sqrt(1 - 0.4);  // m = 4/10
     for (int i = 0; i < 6; ++i) std::tie(a, g) = std::pair((a + g) / 2, std::sqrt(a * g));
     EXPECT_NEAR(4 * (M_PI / (2 * a)) / std::sqrt(5), kPeriod, 1e-13);
-    for (Held held : {Held::body, Held::node}) {
+    for (Held held : {Held::body, Held::node, Held::hinge}) {
         double before = error_after_a_period(held, 50);
         EXPECT_LT(before, 0.1);
         for (int steps : {100, 200, 400, 800}) {
@@ -90,7 +101,7 @@ double lost_energy(Held held, double steps, double periods) {
 // Oracle: conservation. The mean force along the path of a step does the work that the spring stores, at any step size: here
 // up to 0.27 of the period. What is left of it is what the solver leaves in every step.
 TEST(LawsOfSprings, EnergyIsKeptAtAnyStep) {
-    for (Held held : {Held::body, Held::node})
+    for (Held held : {Held::body, Held::node, Held::hinge})
         for (double steps : {100.0, 10.0, 3.7}) {
             EXPECT_LT(lost_energy(held, steps, 10), 5e-12) << steps;
             EXPECT_LT(lost_energy(held, steps, 100), 1e-10) << steps;
@@ -99,13 +110,54 @@ TEST(LawsOfSprings, EnergyIsKeptAtAnyStep) {
 
 // Oracle: the balance at each instant: mass times acceleration is the recorded force, and the force is the law's.
 TEST(LawsOfSprings, ARowIsInBalance) {
-    for (Held held : {Held::body, Held::node}) {
+    for (Held held : {Held::body, Held::node, Held::hinge}) {
         const RecordedRun run(duffing(held, kPeriod / 37, 2));
         for (size_t n = 0; n < run.count(); ++n) {
             const double d = run(n, "spring.deflection.z"), f = run(n, "spring.force.z");
             EXPECT_NEAR(f, kMass * (d + d * d * d), 1e-9);
             EXPECT_NEAR(kMass * run.vector(n, "m.acceleration").norm(), std::abs(f), 1e-9 * 25);
         }
+    }
+}
+
+// Oracle: the same equation for the rotation about the z of a hinge, which is rigid in its other directions.
+TEST(LawsOfSprings, AHingeSwingsAsDuffing) {
+    constexpr double kInertia = 0.37;
+    const Eigen::Vector3d spin =
+        kSpeed * (Eigen::AngleAxisd(-1.1, Eigen::Vector3d(0.5, 0.4, -0.2).normalized()) * Eigen::Vector3d::UnitZ());
+    const auto end = [&](int steps) {
+        const RecordedRun run(fmt::format(R"(
+[simulation]
+step = {0}
+duration = {1}
+[output]
+step = {0}
+[nodes]
+base = {{ position = [0.2, -0.3, 0.1], rotation = {{ axis = [0.5, 0.4, -0.2], angle = -1.1 }}, fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+arm = {{ position = [0.2, -0.3, 0.1], rotation = {{ axis = [0.5, 0.4, -0.2], angle = -1.1 }}, angular_velocity = [{2}, {3}, {4}] }}
+[[element]]
+name = "wheel"
+type = "rigid_body"
+at = "arm"
+mass = 1.9
+inertia = {{ xx = 0.3, yy = 0.21, zz = {5} }}
+[[element]]
+name = "spring"
+type = "elastic_hinge"
+from = "base"
+to = "arm"
+rz = {{ law = "cubic", stiffness = {5}, cubic = {5} }}
+)",
+                                          kPeriod / steps, kPeriod, spin.x(), spin.y(), spin.z(), kInertia));
+        const size_t last = run.count() - 1;
+        EXPECT_NEAR(run(last, "energy.kinetic") + run(last, "energy.strain"), 0.5 * kInertia * kSpeed * kSpeed, 1e-9);
+        return std::abs(run(last, "spring.rotation.z"));
+    };
+    double before = end(100);
+    for (int steps : {200, 400, 800}) {
+        const double error = end(steps);
+        EXPECT_NEAR(before / error, 4, 0.1) << steps;
+        before = error;
     }
 }
 

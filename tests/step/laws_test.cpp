@@ -480,35 +480,36 @@ TEST(LawsWithKinks, StiffFrictionIsFound) {
 // The same for masses in a row inside a network, each on a pad of its own: few, whose laws are found together in every step,
 // and more, of which they are only where a step is slow.
 TEST(LawsWithKinks, StiffFrictionInsideANetworkIsFound) {
-    for (int count : {1, 2, 14})
-        for (double other : {0.01, 1.0})
-            for (double stiffness : {1e8, 1e10})
-                for (double speed : {0.1, 0.5}) {
-                    std::string nodes, parts;
-                    for (int i = 0; i < count; ++i) {
-                        nodes += fmt::format(
-                            "m{} = {{ position = [0, 0, {}], velocity = [0, 0, {}], fixed = [\"x\", \"y\", \"rx\", "
-                            "\"ry\", \"rz\"] }}\n",
-                            i, 0.1 * i, speed);
-                        parts += fmt::format(
-                            "[[element]]\nname = \"mass{0}\"\ntype = \"point_mass\"\nat = \"m{0}\"\nmass = {1}\n"
-                            "[[element]]\nname = \"pad{0}\"\ntype = \"spring_damper\"\nfrom = \"ground\"\nto = "
-                            "\"m{0}\"\nz = {{ law = \"jenkins\", stiffness = {2}, slip = 1e3 }}\n",
-                            i, i == 0 ? 2 : other, stiffness);
-                        if (i > 0)
+    // On a guide, a hinge that is rigid but along its z, in place of what is fixed and the pads
+    for (const bool is_guided : {false, true})
+        for (int count : {1, 2, 14})
+            for (double other : {0.01, 1.0})
+                for (double stiffness : {1e8, 1e10})
+                    for (double speed : {0.1, 0.5}) {
+                        std::string nodes, parts;
+                        for (int i = 0; i < count; ++i) {
+                            nodes += fmt::format("m{} = {{ position = [0, 0, {}], velocity = [0, 0, {}]{} }}\n", i, 0.1 * i,
+                                                 speed, is_guided ? "" : ", fixed = [\"x\", \"y\", \"rx\", \"ry\", \"rz\"]");
                             parts += fmt::format(
-                                "[[element]]\nname = \"link{0}\"\ntype = \"spring_damper\"\nfrom = \"m{1}\"\nto = "
-                                "\"m{0}\"\nstiffness = [0, 0, 1e6]\n",
-                                i, i - 1);
+                                "[[element]]\nname = \"mass{0}\"\ntype = \"point_mass\"\nat = \"m{0}\"\nmass = {1}\n"
+                                "[[element]]\nname = \"pad{0}\"\ntype = \"{3}\"\nfrom = \"ground\"\nto = "
+                                "\"m{0}\"\nz = {{ law = \"jenkins\", stiffness = {2}, slip = 1e3 }}\n",
+                                i, i == 0 ? 2 : other, stiffness, is_guided ? "elastic_hinge" : "spring_damper");
+                            if (i > 0)
+                                parts += fmt::format(
+                                    "[[element]]\nname = \"link{0}\"\ntype = \"spring_damper\"\nfrom = \"m{1}\"\nto = "
+                                    "\"m{0}\"\nstiffness = [0, 0, 1e6]\n",
+                                    i, i - 1);
+                        }
+                        const RecordedRun run("[simulation]\nstep = 1e-3\nduration = 0.03\n[nodes]\n" + nodes + parts,
+                                              {test::paths::jenkins()});
+                        const double energy = 0.5 * (2 + (count - 1) * other) * speed * speed;
+                        for (size_t n = 1; n < run.count(); ++n)
+                            ASSERT_NEAR(run(n, "energy.kinetic") + run(n, "energy.strain") + run(n, "energy.dissipated"),
+                                        energy, 1e-6 * energy)
+                                << count << " " << other << " " << stiffness << " " << speed << (is_guided ? " guided" : "")
+                                << " row " << n;
                     }
-                    const RecordedRun run("[simulation]\nstep = 1e-3\nduration = 0.03\n[nodes]\n" + nodes + parts,
-                                          {test::paths::jenkins()});
-                    const double energy = 0.5 * (2 + (count - 1) * other) * speed * speed;
-                    for (size_t n = 1; n < run.count(); ++n)
-                        ASSERT_NEAR(run(n, "energy.kinetic") + run(n, "energy.strain") + run(n, "energy.dissipated"), energy,
-                                    1e-6 * energy)
-                            << count << " " << other << " " << stiffness << " " << speed << " row " << n;
-                }
 }
 
 // Oracle: conservation. A pendulum elsewhere has the means of its velocities in the rows, the body on the spring has not.

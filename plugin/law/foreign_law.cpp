@@ -5,9 +5,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cfenv>
 #include <cmath>
 #include <exception>
 #include <limits>
+#ifdef __SSE2__
+#include <xmmintrin.h>
+#endif
 
 #include "core/error.h"
 
@@ -42,6 +46,20 @@ private:
     std::array<double, Law::kMostMemory + kGuard> numbers_;
 };
 
+/// Whether a law has changed how the processor rounds, what it does with numbers below 2.2e-308, or what traps. The host has
+/// the default of all; it is put right again.
+bool restore_arithmetic() {
+#ifdef __SSE2__
+    constexpr unsigned kFlags = 0x3f, kDefault = 0x1f80;
+    if ((_mm_getcsr() & ~kFlags) == kDefault) [[likely]]
+        return false;
+#else
+    if (std::fegetround() == FE_TONEAREST) return false;
+#endif
+    std::fesetenv(FE_DFL_ENV);
+    return true;
+}
+
 }  // namespace
 
 LawOnPath ForeignLaw::along(const LawPath& path) const {
@@ -59,6 +77,8 @@ LawOnPath ForeignLaw::along(const LawPath& path) const {
         throw Error(DTTMM_ERROR_INTERNAL, fmt::format("law \"{}\": it threw a C++ exception", law_.name));
     }
     *at_work_ = nullptr;
+    if (restore_arithmetic())
+        throw Error(DTTMM_ERROR_INTERNAL, fmt::format("law \"{}\": it has changed how the processor computes", law_.name));
     if (after.is_overrun())
         throw Error(DTTMM_ERROR_INTERNAL,
                     fmt::format("law \"{}\": it writes more than the {} numbers of its memory (deformation from {:.6g} to "

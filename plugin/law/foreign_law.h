@@ -15,7 +15,7 @@ public:
     ForeignLaw(const dttmm_law& law, const dttmm_law* volatile* at_work, const double* values)
         : law_(law), at_work_(at_work), values_(values, values + law.parameter_count) {}
     /// Throws Error(DTTMM_ERROR_INTERNAL) naming the law where its answer is not finite, its force is beyond 1e100 N or N m,
-    /// it writes beyond its memory, or it throws.
+    /// it writes beyond its memory, it changes how the processor computes, or it throws.
     LawOnPath along(const LawPath& path) const override;
     size_t memory_size() const override { return law_.memory_count; }
 

@@ -51,7 +51,8 @@ TEST(CheckLaw, FindsEveryPlantedFault) {
         {"unit_of_nothing", "k has a unit that cannot be read"},
         {"documentation_of_escapes", "the documentation of stiffness is not one line of text"},
         {"key_of_elements", "a parameter has the name of a key of elements: rename it"},
-        {"digit_first", "a parameter is not well declared"}};
+        {"digit_first", "a parameter is not well declared"},
+        {"rounds_up", "has changed the rounding mode of the processor"}};
     for (const auto& [fault, says] : faults) {
         const Ended ended = run_dttmm("/", {"check-law", faulty_law(fault)});
         EXPECT_EQ(ended.code, 7) << fault;
@@ -137,6 +138,10 @@ TEST(ForeignLaw, ThatBreaksIsNamedWithElementAndTime) {
     EXPECT_EQ(ended.code, 7);
     EXPECT_THAT(ended.err, AllOf(HasSubstr("element \"pad\""),
                                  HasSubstr("law \"faulty\": it writes more than the 1 numbers of its memory")));
+    ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out6", "--plugin", faulty_law("rounds_up")});
+    EXPECT_EQ(ended.code, 7);
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("t = 0.001 s: element \"pad\""),
+                                 HasSubstr("law \"faulty\": it has changed how the processor computes")));
     ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out5", "--plugin", faulty_law("forgets")});
     EXPECT_EQ(ended.code, 7);
     EXPECT_THAT(ended.err, HasSubstr("law \"faulty\": its answer is not finite"));

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
  * A law with one fault, FAULT, or none: a spring k d beside what is wrong with it. */
+#include <fenv.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -31,7 +32,8 @@ enum {
     documentation_of_escapes,
     key_of_elements,
     digit_first,
-    own_minimum
+    own_minimum,
+    rounds_up
 };
 
 static const dttmm_law_parameter parameters[] = {
@@ -108,6 +110,7 @@ static void along(const double* values, const dttmm_law_path* path, dttmm_law_an
     if (FAULT == not_at_rest && path->time == 0 && way != 0) answer->force /= path->time;
     if (FAULT == not_a_number && path->to > 1e-4) answer->force = 0.0 / (way - way);
     if (FAULT == writes_memory) *(double*)(uintptr_t)path->memory = 1;
+    if (FAULT == rounds_up && path->to > 1e-4) fesetround(FE_UPWARD);
     if (FAULT == segmentation && path->to > 1e-4) *(volatile int*)(uintptr_t)(way - way) = 1;
 }
 

@@ -12,6 +12,7 @@
 #include <type_traits>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "modal/balanced_lu.h"
 
 namespace dttmm::plugin {
@@ -53,8 +54,8 @@ DampedModes::Matrix DampedModes::free_directions(const Matrix& K) const {
     std::vector<Eigen::Index> moving;  // directions that the model leaves
     for (Eigen::Index i = 0; i < n; ++i)
         if (D_.model().mask(i % 6, i % 6) != 0) moving.push_back(i);
-    Matrix select = Matrix::Zero(n, static_cast<Eigen::Index>(moving.size()));
-    for (size_t k = 0; k < moving.size(); ++k) select(moving[k], static_cast<Eigen::Index>(k)) = 1;
+    Matrix select = Matrix::Zero(n, as_row(moving.size()));
+    for (size_t k = 0; k < moving.size(); ++k) select(moving[k], as_row(k)) = 1;
     if (rigid == 0) return select;
     const Matrix J = K.block(n, 0, rigid, n) * select;
     Eigen::ColPivHouseholderQR<Matrix> qr(J.transpose());

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "core/loose_motion.h"
 #include "core/state_vector.h"
 
@@ -100,7 +101,7 @@ void DynamicStiffness::cut_into(const std::vector<int>& counts) {
 void DynamicStiffness::cut_line(size_t l) {
     const LineModel& line = model_.lines[l];
     const int pieces = count(line);
-    first_piece_.push_back(static_cast<std::ptrdiff_t>(pieces_.size()));
+    first_piece_.push_back(as_row(pieces_.size()));
     const auto point = [&](int i) { return Vector3(line.start + double(i) / pieces * (line.finish - line.start)); };
     int from = line.from;
     for (int i = 0; i < pieces; ++i) {
@@ -416,9 +417,9 @@ double DynamicStiffness::stiffest() const {
     double largest = 0;
     for (const Bond& bond : model_.bonds) largest = std::max(largest, bond.stiffness.diagonal().head<3>().maxCoeff());
     for (const LineModel& line : model_.lines) largest = std::max(largest, line.line.section.EA / piece_length(line));
-    const double translation = model_.total_mass > 0 ? largest / model_.total_mass : 0;
-    const double turning = largest == 0 ? model_.stiffest_turning() : 0;  // what hangs or stands on joints
-    return std::max({translation, turning, model_.stiffest_hinge()});
+    if (largest == 0)  // what hangs or stands on joints, and turns against springs
+        return std::max(model_.stiffest_turning(), model_.stiffest_hinge());
+    return model_.total_mass > 0 ? largest / model_.total_mass : 0;
 }
 
 }  // namespace dttmm::plugin

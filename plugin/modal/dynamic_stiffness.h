@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/index.h"
 #include "modal/frequency_model.h"
 #include "solve/elimination.h"
 
@@ -89,7 +90,7 @@ public:
     size_t slot_count() const { return waves_.size(); }
     /// Of the pieces of a line, which stand in a row.
     std::vector<Piece>::const_iterator first_piece(const LineModel& line) const {
-        return pieces_.begin() + first_piece_[static_cast<size_t>(&line - model_.lines.data())];
+        return pieces_.begin() + first_piece_[as_size(&line - model_.lines.data())];
     }
     /// Pieces of a line, and their length [m].
     int count(const LineModel& line) const { return counts_[line.kind]; }
@@ -101,8 +102,7 @@ public:
         for (const FrequencyModel::Mass& mass : bar_masses_) body(mass);
     }
 
-    /// Largest stiffness over the whole mass, or against turning over the inertia of the whole [1/s²]; 0: nothing is stiff,
-    /// or has a mass.
+    /// Largest stiffness over the whole mass [1/s²]; 0: nothing is stiff, or has a mass.
     double stiffest() const;
 
 private:

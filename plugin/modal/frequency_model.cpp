@@ -143,12 +143,46 @@ double FrequencyModel::stiffest_turning() const {
 
 double FrequencyModel::stiffest_hinge() const {
     double largest = 0, inertia = 0;
-    for (const Bond& bond : bonds) largest = std::max(largest, bond.stiffness.diagonal().tail<3>().maxCoeff());
+    for (const Bond& bond : bonds) largest = std::max(largest, turning_stiffness(bond));
+    if (largest == 0) return 0;
+    const Vector3 about = !masses.empty()  ? origin(masses.front().frame)
+                          : !lines.empty() ? lines.front().start
+                                           : Vector3(Vector3::Zero());
     for (const Mass& mass : masses) {
-        const double lever = (origin(mass.frame) - origin(masses.front().frame)).squaredNorm();
+        const double lever = (origin(mass.frame) - about).squaredNorm();
         inertia += mass.block.bottomRightCorner<3, 3>().trace() / 2 + mass.block.topLeftCorner<3, 3>().trace() / 3 * lever;
     }
+    for (const LineModel& line : lines) {
+        const double lever = (0.5 * (line.start + line.finish) - about).squaredNorm(), length = line.length();
+        inertia += line.line.section.mass * length * (lever + length * length / 12);
+    }
     return inertia > 0 ? largest / inertia : 0;
+}
+
+double FrequencyModel::stiffest_rotor() const {
+    std::vector<double> inertia(frames.size());
+    for (const Mass& mass : masses) inertia[as_size(mass.frame)] += mass.block.bottomRightCorner<3, 3>().trace() / 2;
+    double largest = 0;
+    for (const Bond& bond : bonds)
+        for (const int frame : {bond.from, bond.to})
+            if (frame >= 0 && inertia[as_size(frame)] > 0)
+                largest = std::max(largest, turning_stiffness(bond) / inertia[as_size(frame)]);
+    return largest;
+}
+
+double FrequencyModel::turning_of_springs(const FrameVector& u) const {
+    double sum = 0;
+    for (const Bond& bond : bonds)
+        for (const int frame : {bond.from, bond.to}) {
+            if (frame < 0) continue;
+            const Vector3 turn = bond.axes.bottomRightCorner<3, 3>().transpose() * u[as_size(frame)].tail<3>();
+            sum += turn.cwiseAbs2().dot(bond.springs.tail<3>());
+        }
+    return sum;
+}
+
+double FrequencyModel::turning_stiffness(const Bond& bond) const {
+    return (mask * bond.stiffness * mask).diagonal().tail<3>().maxCoeff();
 }
 
 double FrequencyModel::force_at_start(size_t element) const {

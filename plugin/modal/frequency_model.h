@@ -168,8 +168,15 @@ struct FrequencyModel {
     /// What forces at rest add to the stiffness of a frame against turning, over its inertia about the joints that it hangs
     /// on: the largest of all frames [1/s²]. 0: none.
     double stiffest_turning() const;
-    /// The largest stiffness of elements against turning over the inertia of all masses about one of them [1/s²]; 0: none.
+    /// The largest stiffness of joints against turning over the inertia of all masses and lines about one of them [1/s²]; 0:
+    /// none.
     double stiffest_hinge() const;
+    /// The largest stiffness of a joint against turning over the inertia of one of its frames [1/s²]; 0: none.
+    double stiffest_rotor() const;
+    double turning_stiffness(const Bond& bond) const;  ///< the largest about an axis [N m/rad]
+    /// Of joints: what their stiffness against turning makes of the rotation of both their frames, not of the difference,
+    /// for a motion of amplitude u: twice an energy [J].
+    double turning_of_springs(const FrameVector& u) const;
     /// Force of an element at the start whose stiffness is in the model [N], positive in tension; 0: none.
     double force_at_start(size_t element) const;
     /// Displacement at a point by the motion of a frame with that origin, world axes.

@@ -56,8 +56,7 @@ const Mode& ModalAnalysis::mode_at(uint32_t index) const {
 void ModalAnalysis::mode(uint32_t index, dttmm_mode* out, double* bodies, double* nodes, double* shares) {
     const Mode& mode = mode_at(index);
     if (out) {
-        *out = {mode.omega / (2 * M_PI), mode.bracket, static_cast<uint32_t>(mode.multiplicity),
-                mode.residual,           mode.mass,    {}};
+        *out = {mode.omega / (2 * M_PI), mode.bracket, as_whole<uint32_t>(mode.multiplicity), mode.residual, mode.mass, {}};
         Eigen::Map<Vector6>{out->participation} = mode.participation;
         if (has_overall()) out->residual = overall_residual(mode);
     }
@@ -153,10 +152,10 @@ OverallTransfer::Check ModalAnalysis::overall(double frequency) {
 
 double ModalAnalysis::along(uint32_t index, uint32_t element, uint32_t count, double* shape) {
     const Mode& mode = mode_at(index);
-    if (at_ != static_cast<long>(index)) {
+    if (at_ != as_whole<long>(index)) {
         stiffness_.cut(mode.cut);
         stiffness_.set(mode.omega * std::abs(mode.omega));
-        at_ = static_cast<long>(index);
+        at_ = as_whole<long>(index);
     }
     return dttmm::plugin::along(stiffness_, element, mode.shape, count, shape);
 }
@@ -165,7 +164,7 @@ void ModalAnalysis::frequency_changes(uint32_t index, ModalAnalysis& above, Moda
     const Mode& mode = mode_at(index);
     const auto equal = std::span<const Mode>(modes_).subspan(index);
     uint32_t first = 0;
-    while (first < index) first += static_cast<uint32_t>(modes_[first].multiplicity);
+    while (first < index) first += as_whole<uint32_t>(modes_[first].multiplicity);
     if (first != index || equal.size() < as_size(mode.multiplicity))
         throw Error(DTTMM_ERROR_ARGUMENT,
                     fmt::format("mode {} is not the first of its frequency, or others of that were not asked for", index));

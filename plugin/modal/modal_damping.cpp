@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/index.h"
 #include "modal/mode_finder.h"
 
 namespace dttmm::plugin {
@@ -54,7 +55,7 @@ ModalDamping find_modal_damping(DynamicStiffness& D, const DampingRatios& given,
     for (Mode& mode : modes) {
         D.cut(mode.cut);
         D.set(mode.omega * mode.omega);
-        FrameVector shape(mode.shape.begin(), mode.shape.begin() + static_cast<std::ptrdiff_t>(D.model().frames.size()));
+        FrameVector shape(mode.shape.begin(), mode.shape.begin() + as_row(D.model().frames.size()));
         for (const Between& frame : between) {
             const LineModel& line = D.model().lines[frame.line];
             shape.push_back(motion_along(D, line, mode.shape, frame.share * line.length()));

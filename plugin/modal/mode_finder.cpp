@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "modal/shape_basis.h"
 
 namespace dttmm::plugin {
@@ -340,7 +341,7 @@ ModeFinder::Cluster ModeFinder::take_equal(Cluster& near) const {
     size_t count = 1;
     const auto is_equal = [&](double a, double b) { return b <= a * (1 + 2 * kEqual) + kSplit * stiffness_.stiffest(); };
     while (count < near.lambdas.size() && is_equal(near.lambdas[count - 1], near.lambdas[count])) ++count;
-    const auto n = static_cast<std::ptrdiff_t>(count);
+    const auto n = as_row(count);
     Cluster equal{{near.lambdas.begin(), near.lambdas.begin() + n},
                   {std::move_iterator(near.shapes.begin()), std::move_iterator(near.shapes.begin() + n)},
                   near.cuts};

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "core/rotation.h"
 #include "element/parameters.h"
 #include "mechanism/loading.h"
@@ -125,7 +126,7 @@ std::vector<const AtRest::Link*> RestingParts::place(Assembly& assembly) const {
     for (size_t j = 0; j < assembly.joints.size(); ++j) {
         const JointSpec& joint = assembly.joints[j];
         if (const int h = as_int(j) - assembly.first_joint.back(); h >= 0) {
-            const auto node = static_cast<uint32_t>(assembly.held_nodes[as_size(h)]);
+            const auto node = as_whole<uint32_t>(assembly.held_nodes[as_size(h)]);
             const auto found = std::ranges::find(rest_.held, node, &AtRest::Held::node);
             if (found == rest_.held.end()) throw Error(DTTMM_ERROR_INTERNAL, "a fixed node is not at rest", joint.element);
             links.push_back(&found->link);

@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "core/index.h"
+
 namespace dttmm::plugin {
 
 namespace {

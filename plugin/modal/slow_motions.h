@@ -22,7 +22,7 @@ public:
     /// counted. Range 1e-5 (below it RandomTrees) to 1e-3 (above it ASlowSpringIsNoRigidBodyMode).
     static constexpr double kStrain = 1e-4;
 
-    /// What rounding makes of λ = 0 [1/s²].
+    /// What rounding makes of λ = 0 [1/s²]; after quiet() also of motions that turn what is stiff against turning.
     double rounding() const;
     /// What forces at rest leave of it, where they balance to some digits only [1/s²].
     double most_hidden() const;
@@ -42,6 +42,7 @@ public:
     Strained find_free(size_t count, double shift, std::vector<FrameVector>& shapes);
 
 private:
+    void find_rounding();
     int count(double omega);
     std::optional<double> look_for_noise(double base, double far);
     std::vector<Strained> look_at_slow(size_t count, double shift);
@@ -54,6 +55,7 @@ private:
     DynamicStiffness& stiffness_;
     InverseIteration inverse_;
     std::optional<double> quiet_;  ///< nothing: not looked at yet
+    double of_turning_ = 0;        ///< rounding of springs against turning
     bool is_noisy_ = false;
     std::optional<int> grow_fast_;
     /// So many motions next to a shift were looked at to find it.

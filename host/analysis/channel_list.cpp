@@ -16,7 +16,9 @@ namespace dttmm::host {
 
 void print_channels(const Request& request) {
     const Plugins plugins(request.plugins);
-    Model model = read_model(request.model, plugins.catalogue(), request.overrides);
+    ModelOverrides overrides = request.overrides;
+    overrides.purpose = Purpose::statics;  // which wants no duration
+    Model model = read_model(request.model, plugins.catalogue(), overrides);
     if (model.simulation.step == 0) model.simulation.step = kShortestStep;  // the channels are the same at any
     const Simulation simulation(model, plugins);
     const std::vector<Channel>& all = simulation.channels();

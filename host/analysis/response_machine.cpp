@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "analysis/places.h"
 #include "analysis/response_choice.h"
 #include "model/error.h"
@@ -16,11 +18,15 @@ namespace {
 [[noreturn]] void refuse_rest(const Model& model) {
     const std::string left_out = describe_left_out(model),
                       whole = model.load_case.empty() ? "the model" : "case " + quote(model.load_case);
-    throw Error(ExitCode::model_invalid,
-                fmt::format("{}: nothing vibrates: {} has no harmonic, psd or unbalance load{}", model.path, whole,
-                            !left_out.empty() ? left_out
-                                              : "; give one, or ask for the response to a unit force with --in "
-                                                "PLACE.DIRECTION"));
+    const auto in_time = std::ranges::find_if(model.loads, [](const Load& load) { return !load.vibration; });
+    throw Error(
+        ExitCode::model_invalid,
+        fmt::format(
+            "{}: nothing vibrates: {} has no harmonic, psd or unbalance load{}{}", model.path, whole,
+            !left_out.empty() ? left_out
+                              : "; give one, or ask for the response to a unit force with --in "
+                                "PLACE.DIRECTION",
+            in_time != model.loads.end() ? fmt::format(". The load at {} acts in runs and at rest", in_time->place) : ""));
 }
 
 Excitation make_excitation(const Request& request, const Model& model, const ModalMachine& machine) {

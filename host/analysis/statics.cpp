@@ -235,6 +235,13 @@ struct CriticalLoad {
     double factor;  ///< 0: a motion that nothing but the forces acts on grows however small they are
     /// Share of it by which rounding and forces that do not balance may change it at most; none: not known.
     std::optional<double> uncertainty;
+    /// With half as many segments in every beam; none: not known.
+    std::optional<double> coarser = std::nullopt;
+    /// Share of it that the segments leave, at most: in the end it falls with the square of their length, at first more
+    /// slowly.
+    std::optional<double> segment_error() const {
+        return coarser && factor > 0 ? std::optional(std::abs(*coarser / factor - 1)) : std::nullopt;
+    }
 };
 
 /// Ascending, and how far they were looked for.
@@ -367,6 +374,26 @@ void print_buckling(const CriticalLoads& loads, int wanted) {
                                                 : fmt::format(" (there are no more up to {})", up_to));
 }
 
+/// Where the values of an element say how many segments it is divided into; nothing: it is not.
+std::optional<size_t> segments_at(const dttmm_element_type& type) {
+    size_t value = 0;
+    for (uint32_t p = 0; p < type.parameter_count; value += type.parameters[p++].count)
+        if (std::string_view(type.parameters[p].name) == "segments") return value;
+    return std::nullopt;
+}
+
+/// False: no element has more than one.
+bool halve_segments(Model& model, const ElementCatalogue& catalogue) {
+    bool is_halved = false;
+    for (Element& element : model.elements)
+        if (const auto at = segments_at(*catalogue.types[as_size(element.type)]); at && element.values[*at] > 1) {
+            double& segments = element.values.change()[*at];
+            segments = std::floor(segments / 2);
+            is_halved = true;
+        }
+    return is_halved;
+}
+
 /// A machine at rest under the loads of one case, or under all.
 struct Found {
     std::string load_case;    ///< empty: the model has none
@@ -436,6 +463,43 @@ void note_free_at_one(const Found& found, Warnings& warnings) {
                                              load.factor));
 }
 
+/// What nothing holds in the machine as it is assembled, behind a reason why it does not come to rest.
+std::string free_at_start(const Model& model, const Plugins& plugins, std::string_view reason) {
+    try {
+        ModalMachine machine(model, plugins);
+        const std::optional<FreeMotions> free = find_free(model, machine);
+        if (!free || free->count == 0) return "";
+        return fmt::format("{} In the assembled machine {}", reason.ends_with('?') ? "" : ".", free->text());
+    } catch (const Error&) {
+        return "";  // the reason stands without it
+    }
+}
+
+std::unique_ptr<Simulation> bring_to_rest(const Model& model, const Plugins& plugins) {
+    try {
+        return std::make_unique<Simulation>(model, plugins, Simulation::For::rest);
+    } catch (const Error& error) {
+        if (error.code() != ExitCode::numerical_failure) throw;
+        throw Error(error.code(), error.what() + free_at_start(model, plugins, error.what()));
+    }
+}
+
+/// The factors with half as many segments: moments and torsion along beams count by their segments, and the enclosure of a
+/// factor does not know it.
+void find_coarser(const Model& model, const Plugins& plugins, std::vector<CriticalLoad>& factors) {
+    Model coarse = model;
+    if (factors.empty() || !halve_segments(coarse, plugins.catalogue())) return;
+    try {
+        const std::unique_ptr<Simulation> resting = bring_to_rest(coarse, plugins);
+        ModalDescription description(coarse, plugins, {&resting->networks(), &resting->equilibrium(), *resting->rest()});
+        const CriticalLoads found = Buckling(std::move(description)).find_factors(as_int(factors.size()));
+        for (size_t k = 0; k < std::min(factors.size(), found.factors.size()); ++k)
+            factors[k].coarser = found.factors[k].factor;
+    } catch (const Error& error) {
+        if (error.code() == ExitCode::plugin_failure || error.code() == ExitCode::internal_error) throw;
+    }
+}
+
 /// Counts motions that grow, names those that nothing holds, and finds load factors where they are asked for.
 void look_at_stability(const Request& request, const Model& model, const Plugins& plugins, Simulation& resting, Found& found,
                        Warnings& warnings) {
@@ -468,29 +532,9 @@ void look_at_stability(const Request& request, const Model& model, const Plugins
     if (request.statics.buckling > 0) found.critical = Buckling(describe()).find_factors(request.statics.buckling);
     for (CriticalLoad& load : found.critical.factors)
         if (load.uncertainty) *load.uncertainty += found.rest.unbalanced();
+    find_coarser(model, plugins, found.critical.factors);
     note_free_at_one(found, warnings);
     note_beyond_limit(found, resting.channels(), warnings);
-}
-
-/// What nothing holds in the machine as it is assembled, behind a reason why it does not come to rest.
-std::string free_at_start(const Model& model, const Plugins& plugins, std::string_view reason) {
-    try {
-        ModalMachine machine(model, plugins);
-        const std::optional<FreeMotions> free = find_free(model, machine);
-        if (!free || free->count == 0) return "";
-        return fmt::format("{} In the assembled machine {}", reason.ends_with('?') ? "" : ".", free->text());
-    } catch (const Error&) {
-        return "";  // the reason stands without it
-    }
-}
-
-std::unique_ptr<Simulation> bring_to_rest(const Model& model, const Plugins& plugins) {
-    try {
-        return std::make_unique<Simulation>(model, plugins, Simulation::For::rest);
-    } catch (const Error& error) {
-        if (error.code() != ExitCode::numerical_failure) throw;
-        throw Error(error.code(), error.what() + free_at_start(model, plugins, error.what()));
-    }
 }
 
 /// At rest there are no velocities and accelerations. Of a node with next to no mass a run records rounding of its forces
@@ -608,6 +652,47 @@ std::string members_of(const Results& results, const Model& model) {
     return all.empty() ? std::string() : table.text();
 }
 
+/// Loads along a beam act at the middles of its segments, of length h: moments err by up to q h²/24.
+void note_line_loads(const Results& results, const Model& model, const ElementCatalogue& catalogue, Warnings& warnings) {
+    constexpr double kShown = 1e-3;  // of the largest moment along the element
+    struct {
+        double error = 0, share = 0, segments = 0;
+        const Element* element = nullptr;
+        const Found* found = nullptr;
+    } worst;
+    size_t count = 0;
+    const auto all = find_sections(results.channels);
+    for (const Element& element : model.elements) {
+        const auto value = segments_at(*catalogue.types[as_size(element.type)]);
+        const auto own = all.find(element.name);
+        if (!value || own == all.end() || own->second.count < 2) continue;
+        const double segments = element.values[*value];
+        const auto& [first, sections, stride] = own->second;
+        const double length =
+            (frame_at_start(model, element.ends[1]).position - frame_at_start(model, element.ends[0]).position).norm();
+        bool is_shown = false;
+        for (const Found& found : results.cases) {
+            const auto at = [&](size_t section, size_t i) { return found.row[first + section * stride + i]; };
+            double largest = 0;
+            for (size_t k = 0; k < sections; ++k) largest = std::max(largest, std::hypot(at(k, 4), at(k, 5)));
+            const double load = std::hypot(at(sections - 1, 1) - at(0, 1), at(sections - 1, 2) - at(0, 2)),
+                         error = load * length / (24 * segments * segments);
+            if (error <= kShown * largest) continue;
+            is_shown = true;
+            if (error > worst.error) worst = {error, error / largest, segments, &element, &found};
+        }
+        count += is_shown;
+    }
+    if (count == 0) return;
+    warnings.note(
+        "line-load-segments",
+        fmt::format("{}element {}: loads along it act at the middles of its {:g} segments, and moments err by up to "
+                    "about {:.2g} N*m, {:.1g} of its largest{}. With twice as many it is a fourth",
+                    worst.found->load_case.empty() ? "" : fmt::format("case {}: ", quote(worst.found->load_case)),
+                    quote(worst.element->name), worst.segments, worst.error, worst.share,
+                    count > 1 ? fmt::format(", and in {} more less", count - 1) : ""));
+}
+
 /// A section that is given by stiffnesses has no outermost fibre.
 void note_no_stress(const Results& results, const Model& model, Warnings& warnings) {
     std::vector<std::string> without;
@@ -643,13 +728,16 @@ void write_summary(JsonWriter& json, const Results& results, const Model& model,
         if (are_free && !found.free->names.empty()) member("what_is_free", found.free->names);
         if (request.statics.buckling == 0) return;
         std::vector<double> factors;
-        Json uncertainties = Json::array();
-        for (const auto& [factor, uncertainty] : found.critical.factors) {
-            factors.push_back(factor);
-            uncertainties.push_back(uncertainty ? Json(*uncertainty) : Json());
+        Json uncertainties = Json::array(), segment_errors = Json::array();
+        const auto or_null = [](const std::optional<double>& share) { return share ? Json(*share) : Json(); };
+        for (const CriticalLoad& load : found.critical.factors) {
+            factors.push_back(load.factor);
+            uncertainties.push_back(or_null(load.uncertainty));
+            segment_errors.push_back(or_null(load.segment_error()));
         }
         member("critical_load_factors", factors);
         member("critical_load_uncertainties", uncertainties);
+        member("critical_load_segment_errors", segment_errors);
         if (as_int(factors.size()) < request.statics.buckling)
             member("critical_loads_looked_for_up_to", found.critical.up_to);
     };
@@ -703,6 +791,18 @@ void warn_of_rounding(const std::vector<CriticalLoad>& factors, const std::strin
         warnings.note("critical-load-uncertain", text);
 }
 
+/// Says which critical load the segments of beams change most.
+void note_coarser(const std::vector<CriticalLoad>& factors, const std::string& place, Warnings& warnings) {
+    constexpr double kShown = 1e-6;
+    const auto error = [](const CriticalLoad& load) { return load.segment_error().value_or(0); };
+    const auto worst = std::ranges::max_element(factors, {}, error);
+    if (worst == factors.end() || error(*worst) <= kShown) return;
+    warnings.note("critical-load-segments",
+                  fmt::format("{}with half as many segments in its beams the critical load factor {:.6g} is {:.6g}: these "
+                              "segments leave an error of up to about {:.1g} of it; more of them come nearer",
+                              place, worst->factor, *worst->coarser, error(*worst)));
+}
+
 std::string growing_of(const Found& found) {
     return counted(as_size(found.growing.value_or(0)), "motion grows", "motions grow");
 }
@@ -734,6 +834,7 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
         warnings.note("free-motion-unknown",
                       fmt::format("{}it is not known what nothing holds: {}", place, found.why_free_unknown));
     warn_of_rounding(found.critical.factors, place, warnings);
+    note_coarser(found.critical.factors, place, warnings);
     if (!found.why_not_counted.empty())
         warnings.note("stability-unknown",
                       fmt::format("{}it is not known whether the equilibrium is stable: {}", place, found.why_not_counted));
@@ -785,6 +886,7 @@ ExitCode find_equilibrium(const Request& request) {
     hold(model, time);  // as the summary has it
     for (const Found& found : results.cases) warn_of(found, results, warnings);
     note_no_stress(results, model, warnings);
+    note_line_loads(results, model, plugins.catalogue(), warnings);
     const ResultsFolder folder(results_path(request, "-static"));
     write_atomically(folder.file("static.csv"), rows_of(results));
     if (const std::string members = members_of(results, model); !members.empty())

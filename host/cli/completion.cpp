@@ -136,7 +136,7 @@ Words parameters(const Typed& typed) {
 
 Words channels(const Typed& typed) {
     const Plugins plugins(typed.plugins);
-    Model model = read_typed(typed, plugins, Purpose::histories);
+    Model model = read_typed(typed, plugins, Purpose::statics);
     if (model.simulation.step == 0) model.simulation.step = kShortestStep;
     const Simulation simulation(model, plugins);
     Words found;

@@ -54,10 +54,12 @@ std::optional<double> read_word(const TableReader& table, const TomlMember& memb
     }
     const bool words_only = parameter.flags & DTTMM_PARAMETER_WORDS_ONLY;
     const auto nearest = value.is_text() ? find_nearest(value.string, words) : std::nullopt;
-    table.error(value.place, fmt::format("{} must be {}one of: {}; got {}{}", member.key,
+    const bool is_law = words_only && std::string_view(parameter.name).ends_with("law");
+    table.error(value.place, fmt::format("{} must be {}one of: {}; got {}{}{}", member.key,
                                          words_only ? "" : fmt::format("a number in {} or ", parameter.unit), listed(words),
                                          value.is_text() ? quote(value.string) : kind_text(value.kind),
-                                         nearest ? fmt::format("; did you mean {}?", quote(*nearest)) : ""));
+                                         nearest ? fmt::format("; did you mean {}?", quote(*nearest)) : "",
+                                         is_law ? "; a law of your own is known with --plugin and its library" : ""));
     return std::nullopt;
 }
 

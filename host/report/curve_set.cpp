@@ -87,6 +87,10 @@ std::set<std::string> choose_names(const std::vector<CurveSet>& sets, const std:
     for (const CurveSet& set : sets)
         for (const Curve& curve : set.curves)
             if (known.insert(curve.head.name).second) channels.emplace_back(curve.head.name, curve.head.unit);
+    if (known.empty())
+        throw Error(ExitCode::usage, option +
+                                         "these results have no curves over time, frequency or speed: see their CSV "
+                                         "files, or `dttmm report`");
     try {
         for (const int c : select_channels(channels, patterns))
             if (c > 0) chosen.insert(channels[as_size(c)].name());

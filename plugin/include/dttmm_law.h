@@ -44,8 +44,9 @@ typedef struct dttmm_law_path {
 typedef struct dttmm_law_answer {
     double force;        /* at the end of the path */
     double tangent;      /* d(force)/d(to), never infinite; of a path of no length and no time that of going back */
-    double mean;         /* of the force along the path: (stored at its end - at its start + dissipated)/(to - from) */
-    double mean_tangent; /* d(mean)/d(to) */
+    double mean;         /* of the force along the path: (stored at its end - at its start + dissipated)/(to - from); of a
+                            path of no length the force */
+    double mean_tangent; /* d(mean)/d(to); of an elastic law on a path of no length half the tangent */
     double stored;       /* energy at the end of the path */
     double dissipated;   /* energy lost along the path, at least 0 */
 } dttmm_law_answer;

@@ -22,6 +22,9 @@ namespace {
 /// A trial may be far off; squares of this are numbers. Where a step ends the host takes 1e15 N at most.
 constexpr double kMostForce = 1e100;  // [N, N m]
 
+/// Of forces that are one: far beyond rounding, far below what misleads.
+constexpr double kEqual = 1e-6;
+
 /// Where a law writes its memory. Numbers behind it must stay; those of it must be written, for they begin as NaN.
 class Scratch {
 public:
@@ -89,6 +92,12 @@ LawOnPath ForeignLaw::along(const LawPath& path) const {
         throw Error(DTTMM_ERROR_INTERNAL,
                     fmt::format("law \"{}\": its answer is not finite (deformation from {:.6g} to {:.6g})", law_.name,
                                 path.from, path.to));
+    if (path.from == path.to &&
+        std::abs(answer.mean - answer.force) > kEqual * std::max(std::abs(answer.mean), std::abs(answer.force)))
+        throw Error(DTTMM_ERROR_INTERNAL,
+                    fmt::format("law \"{}\": on a path of no length its mean force is {:.6g} and its force {:.6g} "
+                                "(deformation {:.6g}); they must be equal, as `dttmm check-law` finds",
+                                law_.name, answer.mean, answer.force, path.to));
     if (std::abs(answer.force) > kMostForce)
         throw Error(
             DTTMM_ERROR_INTERNAL,

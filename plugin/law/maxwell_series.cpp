@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/index.h"
+
 namespace dttmm::plugin {
 
 namespace {
@@ -27,7 +29,7 @@ Eigen::VectorXd solve_not_negative(const Eigen::MatrixXd& A, const Eigen::Vector
             const Eigen::VectorXd s = A(Eigen::all, free).colPivHouseholderQr().solve(b);
             double share = 1;  // of the way to s on which no unknown becomes negative
             for (size_t k = 0; k < free.size(); ++k) {
-                const double now = x(free[k]), next = s(static_cast<Eigen::Index>(k));
+                const double now = x(free[k]), next = s(as_row(k));
                 if (next <= 0) share = std::min(share, now / (now - next));
             }
             for (size_t k = 0; k < free.size(); ++k) x(free[k]) += share * (s(static_cast<Eigen::Index>(k)) - x(free[k]));
@@ -72,14 +74,13 @@ MaxwellSeries fit_maxwell(std::span<const DynamicStiffnessRow> rows) {
     std::vector<double> times;
     for (Eigen::Index j = 0; j < count; ++j)
         times.push_back(1 / (low * std::pow(high / low, static_cast<double>(j) / static_cast<double>(count - 1))));
-    const auto height = static_cast<Eigen::Index>(rows.size());
+    const auto height = as_row(rows.size());
     Eigen::MatrixXd A(2 * height, 1 + count);
     Eigen::VectorXd b(2 * height);
     for (Eigen::Index i = 0; i < height; ++i) {
-        const DynamicStiffnessRow& row = rows[static_cast<size_t>(i)];
+        const DynamicStiffnessRow& row = rows[as_size(i)];
         for (Eigen::Index j = 0; j <= count; ++j) {
-            const std::complex<double> value =
-                (j == 0 ? 1.0 : unit_term(row.omega, times[static_cast<size_t>(j - 1)])) / row.stiffness;
+            const std::complex<double> value = (j == 0 ? 1.0 : unit_term(row.omega, times[as_size(j - 1)])) / row.stiffness;
             A(2 * i, j) = value.real();
             A(2 * i + 1, j) = value.imag();
         }
@@ -90,7 +91,7 @@ MaxwellSeries fit_maxwell(std::span<const DynamicStiffnessRow> rows) {
     const Eigen::VectorXd x = unit * solve_not_negative(unit * A, b);
     MaxwellSeries series{x(0), {}};
     for (Eigen::Index j = 0; j < count; ++j)
-        if (x(1 + j) > 0) series.terms.push_back({x(1 + j), times[static_cast<size_t>(j)]});
+        if (x(1 + j) > 0) series.terms.push_back({x(1 + j), times[as_size(j)]});
     return series;
 }
 

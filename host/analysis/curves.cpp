@@ -82,7 +82,7 @@ std::vector<CaseCurves> follow_curves(const std::vector<std::vector<double>>& pa
         CaseCurves& own = curves[c];
         own.nearest = nearest;
         std::vector<Shape> known = last[nearest];
-        known.insert(known.end(), first.begin() + static_cast<std::ptrdiff_t>(known.size()), first.end());
+        known.insert(known.end(), first.begin() + as_row(known.size()), first.end());
         own.mode_of.assign(known.size(), CaseCurves::kNone);
         own.likeness.assign(known.size(), std::nan(""));
         std::vector<std::tuple<double, size_t, Eigen::Index>> pairs;
@@ -101,7 +101,7 @@ std::vector<CaseCurves> follow_curves(const std::vector<std::vector<double>>& pa
         for (size_t m = 0; m < is_taken.size(); ++m)
             if (!is_taken[m]) begin(c, as_row(m));
         last[c] = std::move(known);
-        last[c].insert(last[c].end(), first.begin() + static_cast<std::ptrdiff_t>(last[c].size()), first.end());
+        last[c].insert(last[c].end(), first.begin() + as_row(last[c].size()), first.end());
     }
     for (CaseCurves& one : curves) {
         one.mode_of.resize(first.size(), CaseCurves::kNone);

@@ -46,9 +46,7 @@ namespace {
 
 /// What undamped modes have and the list does not.
 void warn_of_missing(const std::vector<ModalInstance::Mode>& undamped, const DampedModes& damped, Warnings& warnings) {
-    const auto count = [](const auto& list, const auto& is_one) {
-        return static_cast<size_t>(std::ranges::count_if(list, is_one));
-    };
+    const auto count = [](const auto& list, const auto& is_one) { return as_size(std::ranges::count_if(list, is_one)); };
     const size_t growing = count(undamped, [](const auto&mode) { return mode.numbers.frequency < 0; }),
                  moving = count(damped.modes, [](const auto&mode) { return !is_rigid(mode); });
     if (growing > 0 && std::ranges::none_of(damped.modes, grows)) {

@@ -210,9 +210,8 @@ Eigen::MatrixXd GivenShapes::shapes_of(const Model& model, ModalMachine& machine
                     throw Error(ExitCode::input_output,
                                 fmt::format("{}: this model has no element {}", file_.string(), quote(at.element)));
                 double length = 0;
-                along[at.element] =
-                    machine.along(static_cast<uint32_t>(m), static_cast<uint32_t>(element - model.elements.begin()),
-                                  kShapeStations, length);
+                along[at.element] = machine.along(
+                    as_whole<uint32_t>(m), as_whole<uint32_t>(element - model.elements.begin()), kShapeStations, length);
             }
             const auto& stations = along[at.element];
             if (!stations.empty()) shapes(as_row(r), as_row(m)) = stations[as_size(at.station)](at.direction);

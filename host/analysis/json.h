@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 /// The members of a JSON object in the order written. A member is found in constant time: nlohmann::ordered_map searches
@@ -60,7 +62,7 @@ public:
     }
     template <class K>
     const_iterator find(const K& key) const {
-        return this->begin() + static_cast<std::ptrdiff_t>(position(key));
+        return this->begin() + as_row(position(key));
     }
     template <class K>
     size_type count(const K& key) const {
@@ -105,7 +107,7 @@ private:
     static constexpr size_type kUsual = 3;
 
     const value_type& member(size_type i) const { return this->data()[i]; }
-    iterator at_position(size_type position) { return this->begin() + static_cast<std::ptrdiff_t>(position); }
+    iterator at_position(size_type position) { return this->begin() + as_row(position); }
 
     /// Of the member called `key`; size() if there is none.
     template <class K>
@@ -134,7 +136,7 @@ private:
     void note(size_type index) const {
         size_type slot = first_slot(member(index).first);
         while (slots_[slot] != 0) slot = (slot + 1) % slots_.size();
-        slots_[slot] = static_cast<std::uint32_t>(index + 1);
+        slots_[slot] = as_whole<std::uint32_t>(index + 1);
     }
     void rebuild() const {
         slots_.assign(4 * this->size(), 0);

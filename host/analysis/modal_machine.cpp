@@ -54,7 +54,7 @@ ModalMachine::ModalMachine(const Model& model, ModalDescription description)
     for (size_t n = 0; n < model.nodes.size(); ++n)
         if (const auto index = description_.network().node_at({-1, -1, as_int(n)}))
             places_.push_back({model.nodes[n].name, -1, as_int(*index), model.nodes[n].position,
-                               static_cast<unsigned>(model.nodes[n].fixed.to_ulong())});
+                               as_whole<unsigned>(model.nodes[n].fixed.to_ulong())});
 }
 
 std::vector<ModalInstance::Mode> ModalMachine::find_modes(uint32_t count, double below) {

@@ -8,6 +8,7 @@
 #include "coupling/modal_description.h"
 #include "coupling/nonconservative.h"
 #include "loader/modal_instance.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -37,8 +38,7 @@ public:
 
     /// As the model asks.
     std::vector<ModalInstance::Mode> find_modes() {
-        return find_modes(model_.modes.below ? 0 : static_cast<uint32_t>(model_.modes.count),
-                          model_.modes.below.value_or(0));
+        return find_modes(model_.modes.below ? 0 : as_whole<uint32_t>(model_.modes.count), model_.modes.below.value_or(0));
     }
     /// All up to `below` [Hz], or if that is 0 the first `count`.
     std::vector<ModalInstance::Mode> find_modes(uint32_t count, double below);
@@ -71,7 +71,7 @@ public:
     /// From now on respond() is linear about another machine, which must live on: see dttmm_derivative.h.
     void respond_beside(ModalMachine& middle) { instance_.respond_beside(middle.instance_); }
     /// An element that carries a force along the line through its ends, and nothing else.
-    bool is_axial(size_t element) const { return instance_.is_axial(static_cast<uint32_t>(element)); }
+    bool is_axial(size_t element) const { return instance_.is_axial(as_whole<uint32_t>(element)); }
     /// Force and moment of a joint as a run records them, in its axes [N, N m].
     Complex6 joint_wrench(size_t joint, const ModalInstance::Response& response) const;
     /// Displacement and rotation of its second body against its first at the joint, in its axes, which begin with the axis
@@ -86,11 +86,11 @@ public:
     std::string why_still(const ModalPlace& in, int in_direction, const ModalPlace& out, int out_direction) const;
 
     /// Force of an element at the start whose stiffness is in the modes [N]; 0: none.
-    double force_at_start(size_t element) const { return instance_.force_at_start(static_cast<uint32_t>(element)); }
+    double force_at_start(size_t element) const { return instance_.force_at_start(as_whole<uint32_t>(element)); }
 
     /// How far a beam is bent at rest, as share of its radius of gyration; is_lumped: it counts by its segments therefore.
     double bent_at_rest(size_t element, bool& is_lumped) const {
-        return instance_.bent_at_rest(static_cast<uint32_t>(element), is_lumped);
+        return instance_.bent_at_rest(as_whole<uint32_t>(element), is_lumped);
     }
 
     /// Indices of loads that act at rest and have no potential.

@@ -184,7 +184,7 @@ void note_directions(const Model& model, Warnings& warnings) {
         for (size_t i = 0; i < 9; ++i) {
             const size_t rotation = i / 3, direction = i % 3;
             if (!kept[3 + rotation] || kept[direction] || rotation == direction) continue;
-            const auto lever = static_cast<Eigen::Index>(3 - rotation - direction);
+            const auto lever = as_row(3 - rotation - direction);
             const auto differs = [&](const Eigen::Vector3d& p) {
                 return std::abs((p - points[b][0])(lever)) > 1e-9 * std::max(p.norm(), radius);
             };

@@ -142,7 +142,7 @@ std::string shapes_table(const Model& model, ModalMachine& machine, const std::v
     for (size_t m = 0; m < modes.size(); ++m)
         for (size_t e = 0; e < model.elements.size(); ++e) {
             double length = 0;
-            const auto shape = machine.along(static_cast<uint32_t>(m), static_cast<uint32_t>(e), kStations, length);
+            const auto shape = machine.along(as_whole<uint32_t>(m), as_whole<uint32_t>(e), kStations, length);
             const auto& ends = model.elements[e].ends;
             if (shape.empty() || ends.size() != 2 || ends[0].is_ground() || ends[1].is_ground()) continue;
             const Eigen::Vector3d from = frame_at_start(model, model.elements[e].ends[0]).position;
@@ -244,7 +244,7 @@ ExitCode find_modes(const Request& request) {
 
     std::vector<ModeEnergies> energies;
     for (const Mode& mode : modes)
-        energies.push_back(energies_of(model, machine, mode, static_cast<uint32_t>(energies.size())));
+        energies.push_back(energies_of(model, machine, mode, as_whole<uint32_t>(energies.size())));
 
     std::string determinant, matrix;
     if (!request.modes.determinant.empty()) determinant = determinant_table(machine, request.modes.determinant);

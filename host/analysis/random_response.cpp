@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 namespace {
@@ -23,7 +25,7 @@ RandomResponse find_random_response(const Excitation& excitation, double from, d
                                     const RandomAmplitudes& amplitudes, const std::vector<AdaptivePoints::Kind>& kinds,
                                     size_t most_points, const std::function<bool()>& is_asked_to_stop) {
     const size_t block = kinds.size(), loads = excitation.random_count();
-    const auto channels = static_cast<size_t>(std::ranges::count_if(kinds, &AdaptivePoints::Kind::is_curve));
+    const auto channels = as_size(std::ranges::count_if(kinds, &AdaptivePoints::Kind::is_curve));
     const std::vector<double> corners = find_corners(excitation, from, to);
     std::vector<AdaptivePoints::Kind> all_kinds;
     for (size_t r = 0; r < loads; ++r) all_kinds.insert(all_kinds.end(), kinds.begin(), kinds.end());

@@ -126,7 +126,7 @@ double duration_of(Complex rate, double interval, std::size_t samples) {
 /// Numbers above rounding of the largest.
 std::size_t rank_of(const Eigen::VectorXd& singular, std::size_t size) {
     const double least = singular(0) * std::numeric_limits<double>::epsilon() * static_cast<double>(size);
-    return static_cast<std::size_t>((singular.array() > least).count());
+    return as_size((singular.array() > least).count());
 }
 
 }  // namespace

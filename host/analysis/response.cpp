@@ -126,7 +126,7 @@ size_t SteadyResponse::write_random(const ResultsFolder& folder) {
     const size_t count = machine_.curves.chosen().size(), skipped = machine_.excitation.has_harmonics() ? kinds.size() : 0;
     const auto amplitudes = [&](double f) {
         Values values = machine_.curves.evaluate_near(ResponseSweep(), f);
-        values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(skipped));
+        values.erase(values.begin(), values.begin() + as_row(skipped));
         return values;
     };
     const RandomResponse random =

@@ -11,6 +11,7 @@
 #include "analysis/excitation.h"
 #include "analysis/response_channels.h"
 #include "analysis/response_plan.h"
+#include "model/index.h"
 #include "record/warnings.h"
 
 namespace dttmm::host {
@@ -35,9 +36,7 @@ public:
     /// Of the channel, by inputs per unit of the input: "m/N", "1".
     std::string unit(size_t curve) const;
     const std::vector<int>& chosen() const { return chosen_; }
-    const Channel& channel(size_t curve) const {
-        return channels_.all()[static_cast<size_t>(chosen_[curve % chosen_.size()])];
-    }
+    const Channel& channel(size_t curve) const { return channels_.all()[as_size(chosen_[curve % chosen_.size()])]; }
     /// The kinds of a block: of the chosen channels, then of what tells how large things are in the machine.
     std::vector<AdaptivePoints::Kind> kinds() const;
 

@@ -11,6 +11,7 @@
 #include "analysis/response.h"
 #include "analysis/stop_signals.h"
 #include "analysis/sweep_table.h"
+#include "model/index.h"
 #include "model/units.h"
 #include "model/wording.h"
 #include "record/atomic_file.h"
@@ -172,7 +173,7 @@ ExitCode sweep_response(const Request& request, const std::vector<SweepAxis>& ax
     write_atomically(folder.file("sweep.csv"), response_sweep_table(cases, parameters));
     const size_t failed = tell_failed_cases(cases);
     tell_of_earlier_cases(folder.path(), cases.size());
-    const auto done = static_cast<size_t>(std::ranges::count(cases, "completed", &RespondedCase::status));
+    const auto done = as_size(std::ranges::count(cases, "completed", &RespondedCase::status));
     if (!request.quiet) {
         print_responses(cases);
         fmt::print("{} of {} completed; results in {}\n", done, counted(cases.size(), "case", "cases"),

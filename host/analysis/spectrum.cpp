@@ -83,7 +83,7 @@ void SpectrumCommand::check_words() const {
 size_t SpectrumCommand::find_segment_size() const {
     if (request_.spectrum.segments > 0 && !request_.spectrum.resolution.empty())
         throw Error(ExitCode::usage, "--segments and --resolution say the same; give one of them");
-    size_t size = segment_size(run_.rows(), static_cast<size_t>(std::max(request_.spectrum.segments, 1)));
+    size_t size = segment_size(run_.rows(), as_size(std::max(request_.spectrum.segments, 1)));
     if (!request_.spectrum.resolution.empty()) {
         double resolution = 0;
         try {

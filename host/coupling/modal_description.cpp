@@ -127,7 +127,7 @@ void ModalDescription::place_at_rest(const Model& model) {
 ModalDescription::ModalDescription(const Model& model, const Plugins& plugins, bool at_rest)
     : description_(model, plugins, all_elements(model, plugins, at_rest)),
       network_(description_.network()),
-      directions_(static_cast<uint32_t>(model.modes.directions.to_ulong())),
+      directions_(as_whole<uint32_t>(model.modes.directions.to_ulong())),
       lumped_beams_(model.modes.are_beams_lumped) {
     describe_joints(model);
     if (!at_rest) return;
@@ -142,7 +142,7 @@ ModalDescription::ModalDescription(const Model& model, const Plugins& plugins, b
 ModalDescription::ModalDescription(const Model& model, const Plugins& plugins, Resting resting)
     : description_(model, plugins, all_elements(model, plugins, true)),
       network_(description_.network()),
-      directions_(static_cast<uint32_t>(model.modes.directions.to_ulong())),
+      directions_(as_whole<uint32_t>(model.modes.directions.to_ulong())),
       lumped_beams_(model.modes.are_beams_lumped),
       rest_(std::make_unique<Rest>(std::move(resting))) {
     describe_joints(model);
@@ -151,7 +151,7 @@ ModalDescription::ModalDescription(const Model& model, const Plugins& plugins, R
 
 void ModalDescription::describe_joints(const Model& model) {
     for (const Joint& joint : model.joints) {
-        dttmm_constraint out{joint.first, joint.second, {}, {}, static_cast<uint32_t>(rigid_of(joint).to_ulong())};
+        dttmm_constraint out{joint.first, joint.second, {}, {}, as_whole<uint32_t>(rigid_of(joint).to_ulong())};
         Eigen::Map<Eigen::Vector3d>{out.position} = joint.anchor;
         Eigen::Map<RowMajor3>{out.axes} = axes_of(joint);
         constraints_.push_back(out);
@@ -159,9 +159,8 @@ void ModalDescription::describe_joints(const Model& model) {
 }
 
 dttmm_modal_model ModalDescription::model() const {
-    return {&network_,           static_cast<uint32_t>(constraints_.size()),
-            constraints_.data(), directions_,
-            lumped_beams_,       rest_ ? &rest_->told : nullptr};
+    return {&network_,     as_whole<uint32_t>(constraints_.size()), constraints_.data(), directions_,
+            lumped_beams_, rest_ ? &rest_->told : nullptr};
 }
 
 }  // namespace dttmm::host

@@ -117,7 +117,7 @@ void NetworkDescription::add_element(const Element& element) {
         ends.push_back(find_or_add_node(end, end.is_ground() ? element.ends[is_from ? 1 : 0] : end,
                                         is_from ? element.axes.get() : nullptr));
     }
-    elements_.push_back({element.name.c_str(), 0, static_cast<uint32_t>(ends.size()), nullptr, element.values.data()});
+    elements_.push_back({element.name.c_str(), 0, as_whole<uint32_t>(ends.size()), nullptr, element.values.data()});
     ends_.push_back(std::move(ends));
 }
 
@@ -126,7 +126,7 @@ void NetworkDescription::add_line_loads(const std::vector<size_t>& elements) {
         const Load& load = model_.loads[i];
         const auto found = load.is_per_length() ? std::ranges::find(elements, as_size(load.element)) : elements.end();
         if (found == elements.end()) continue;
-        line_loads_.push_back({static_cast<uint32_t>(found - elements.begin()),
+        line_loads_.push_back({as_whole<uint32_t>(found - elements.begin()),
                                static_cast<uint32_t>(load.turns ? DTTMM_AXES_ELEMENT : DTTMM_AXES_WORLD)});
         line_load_indices_.push_back(i);
     }
@@ -138,7 +138,7 @@ uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attac
         return add_node("ground", DTTMM_NODE_GROUND, frame.position, axes ? *axes : frame.rotation);
     }
     if (end.body >= 0 && axes) return add_node_on_body(end, *axes);
-    const auto [found, is_new] = nodes_at_.try_emplace(end, static_cast<uint32_t>(nodes_.size()));
+    const auto [found, is_new] = nodes_at_.try_emplace(end, as_whole<uint32_t>(nodes_.size()));
     if (!is_new) return found->second;
     const Frame frame = frame_at_start(model_, end);
     if (end.body >= 0) return add_node_on_body(end, frame.rotation);
@@ -146,7 +146,7 @@ uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attac
     const Node& node = model_.nodes[as_size(end.node)];
     const uint32_t index = add_node(node.name, DTTMM_NODE_INNER, frame.position, frame.rotation);
     dttmm_node& inner = nodes_[index];
-    inner.fixed = static_cast<uint32_t>(node.fixed.to_ulong());
+    inner.fixed = as_whole<uint32_t>(node.fixed.to_ulong());
     inner.moves = node.moves;
     if (node.is_support()) {
         supports_.push_back(index);
@@ -160,7 +160,7 @@ uint32_t NetworkDescription::find_or_add_node(const Attachment& end, const Attac
 /// axes: of the node, in the world at the start.
 uint32_t NetworkDescription::add_node_on_body(const Attachment& end, const Eigen::Matrix3d& axes) {
     const uint32_t index = add_node(name_of(model_, end), DTTMM_NODE_ON_BODY, frame_at_start(model_, end).position, axes);
-    nodes_[index].body = static_cast<uint32_t>(end.body);
+    nodes_[index].body = as_whole<uint32_t>(end.body);
     return index;
 }
 
@@ -171,7 +171,7 @@ uint32_t NetworkDescription::add_node(const std::string& name, uint32_t kind, co
     Eigen::Map<RowMajor3>{node.rotation} = rotation;
     nodes_.push_back(node);
     node_names_.push_back(name);
-    return static_cast<uint32_t>(nodes_.size() - 1);
+    return as_whole<uint32_t>(nodes_.size() - 1);
 }
 
 std::optional<size_t> NetworkDescription::node_at(const Attachment& place) const {
@@ -183,19 +183,19 @@ std::optional<size_t> NetworkDescription::node_at(const Attachment& place) const
 dttmm_network NetworkDescription::network() const {
     const Newmark newmark = scheme_with_radius(model_.simulation.spectral_radius);
     dttmm_network network{};
-    network.body_count = static_cast<uint32_t>(bodies_.size());
+    network.body_count = as_whole<uint32_t>(bodies_.size());
     network.bodies = bodies_.data();
-    network.node_count = static_cast<uint32_t>(nodes_.size());
+    network.node_count = as_whole<uint32_t>(nodes_.size());
     network.nodes = nodes_.data();
-    network.element_count = static_cast<uint32_t>(elements_.size());
+    network.element_count = as_whole<uint32_t>(elements_.size());
     network.elements = elements_.data();
     network.scheme = scheme_of(model_.simulation);
     network.beta = newmark.beta;
     network.gamma = newmark.gamma;
     Eigen::Map<Eigen::Vector3d>{network.gravity} = model_.simulation.gravity;
-    network.line_load_count = static_cast<uint32_t>(line_loads_.size());
+    network.line_load_count = as_whole<uint32_t>(line_loads_.size());
     network.line_loads = line_loads_.data();
-    network.support_count = static_cast<uint32_t>(supports_.size());
+    network.support_count = as_whole<uint32_t>(supports_.size());
     network.supports = supports_.data();
     network.mean_velocities = has_mean_velocities(model_);
     return network;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "coupling/loads.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -147,7 +148,7 @@ void NetworkExchange::refuse_wrench(const Large& large) const {
     const auto& [instance, body, wrench] = large;
     const NetworkInstance& blamed = instances_[instance];
     const int known = blamed.culprit(-1), first = slots_[instance].first_on_body[body];
-    const auto name = [&](int element) { return blamed.element_name(static_cast<uint32_t>(element)); };
+    const auto name = [&](int element) { return blamed.element_name(as_whole<uint32_t>(element)); };
     throw Error(
         ExitCode::numerical_failure,
         fmt::format(

@@ -30,7 +30,7 @@ void add_measure(const NetworkInstance& instance, const dttmm_static_measure& ow
     if (own.shift <= sum.shift) return;
     sum.shift = own.shift;
     if (own.element >= 0 && as_size(own.element) < instance.element_count())
-        sum.element = instance.element_name(static_cast<uint32_t>(own.element));
+        sum.element = instance.element_name(as_whole<uint32_t>(own.element));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "model/index.h"
 #include "model/model.h"
 #include "world/joint_system.h"
 
@@ -83,7 +84,7 @@ public:
 
 private:
     int first_row(size_t joint) const { return first_row_[joint]; }
-    int first_force(size_t joint) const { return first_row_[joint] - rows_ + static_cast<int>(q_.size()); }
+    int first_force(size_t joint) const { return first_row_[joint] - rows_ + as_int(q_.size()); }
     void add_stiffness(size_t joint, std::vector<BodyState>& at, Triplets& entries) const;
     Eigen::VectorXd reactions(size_t joint) const;
     Vector6 wrench(size_t joint, const std::vector<BodyState>& at) const;

@@ -331,7 +331,7 @@ std::vector<ModePair> Comparison::predict_modes(const Model& asked, const Measur
     // A test of a free machine may number its modes from the first one above 0 Hz
     while (!observations_.freedoms.empty() && count_rigid() > rigid && lowest <= count_rigid()) {
         rigid = count_rigid();
-        modes = machine.find_modes(static_cast<uint32_t>(model.modes.count + rigid), 0);
+        modes = machine.find_modes(as_whole<uint32_t>(model.modes.count + rigid), 0);
     }
     const auto count = as_row(observations_.freedoms.size());
     Eigen::MatrixXd shapes(count, as_row(modes.size()));

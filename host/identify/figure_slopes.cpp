@@ -93,7 +93,7 @@ void FigureSlopes::take_row(double time, std::span<const double> values, const E
                 one.extremes[kind].take(at_end(one.before, {one.before, one.last, row}, before));
             if (rows_ > 1 && size > size_of(kind, row.value) && size >= before)
                 one.extremes[kind].take(
-                    {{one.second_last, one.before, one.last, row}, static_cast<int>(std::min(rows_ - 1, 2L)), true, size});
+                    {{one.second_last, one.before, one.last, row}, as_int(std::min(rows_ - 1, 2L)), true, size});
         }
         one.sum += weight * row.slope;
         one.product += weight * row.value * row.slope;

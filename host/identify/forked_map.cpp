@@ -17,6 +17,7 @@
 
 #include "analysis/stop_signals.h"
 #include "model/error.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -34,7 +35,7 @@ void send(int pipe, const void* data, size_t size) {
         if (sent < 0 && errno == EINTR) continue;
         if (sent <= 0) _exit(1);
         at += sent;
-        size -= static_cast<size_t>(sent);
+        size -= as_size(sent);
     }
 }
 
@@ -92,7 +93,7 @@ struct Server {
             }
             at += sizeof head + size;
         }
-        received.erase(received.begin(), received.begin() + static_cast<std::ptrdiff_t>(at));
+        received.erase(received.begin(), received.begin() + as_row(at));
     }
 };
 
@@ -170,7 +171,7 @@ std::string first_reason(const std::vector<TaskResult>& results) {
 std::vector<TaskResult> map_in_processes(size_t count, int jobs, const std::function<std::vector<double>(size_t)>& work) {
     std::vector<TaskResult> results(count, {{}, "its process crashed"});
     const size_t cores = std::max(1u, std::thread::hardware_concurrency());
-    const size_t servers = std::min(count, jobs > 0 ? static_cast<size_t>(jobs) : cores);
+    const size_t servers = std::min(count, jobs > 0 ? as_size(jobs) : cores);
     if (is_server || count == 0) {
         for (size_t task = 0; task < count; ++task) {
             try {

@@ -39,7 +39,7 @@ std::vector<double> slopes_of_modes(const FigureFunction& function, ModalMachine
             if (multiplicity == 0 || m + multiplicity > modes.size())
                 throw Error(ExitCode::plugin_failure, fmt::format("the multiplicity of mode {} is {}", m + 1, multiplicity));
             const auto changes = [&](ModalMachine& far, ModalMachine& near) {
-                return machine.frequency_changes(static_cast<uint32_t>(m), multiplicity, far, near);
+                return machine.frequency_changes(as_whole<uint32_t>(m), multiplicity, far, near);
             };
             const std::vector<double> both = changes(above.machine, below.machine), up = changes(above.machine, machine),
                                       down = changes(machine, below.machine);

@@ -125,7 +125,7 @@ double call_objective(unsigned count, const double* x, double* gradient, void* d
 std::vector<double> descend_from(Eigen::VectorXd x, const Eigen::VectorXd& low, const Eigen::VectorXd& high,
                                  Objective objective) {
     const std::unique_ptr<std::remove_pointer_t<nlopt_opt>, void (*)(nlopt_opt)> solver(
-        nlopt_create(NLOPT_LD_SLSQP, static_cast<unsigned>(x.size())), nlopt_destroy);
+        nlopt_create(NLOPT_LD_SLSQP, as_whole<unsigned>(x.size())), nlopt_destroy);
     const double before = objective.evaluate(x, nullptr), figure_before = objective.last();
     const Eigen::VectorXd start = x;
     nlopt_set_min_objective(solver.get(), call_objective, &objective);

@@ -142,7 +142,7 @@ std::string ModalInstance::layout() {
     dttmm_overall overall{};
     std::string text(1 << 20, '\0');
     ask([&](dttmm_error* error) {
-        table_->overall(modal_.get(), 0, &overall, text.data(), static_cast<uint32_t>(text.size()), error);
+        table_->overall(modal_.get(), 0, &overall, text.data(), as_whole<uint32_t>(text.size()), error);
         return DTTMM_OK;
     });
     text.resize(::strnlen(text.data(), text.size()));
@@ -206,7 +206,7 @@ std::vector<ModalInstance::Response> ModalInstance::respond(double frequency, co
     std::vector<uint32_t> ends;
     for (const Loads& own : cases) {
         loads.insert(loads.end(), own.begin(), own.end());
-        ends.push_back(static_cast<uint32_t>(loads.size()));
+        ends.push_back(as_whole<uint32_t>(loads.size()));
     }
     const size_t element_count = with_forces ? element_names_.size() : 0,
                  constraint_count = with_forces ? constraint_count_ : 0;
@@ -215,7 +215,7 @@ std::vector<ModalInstance::Response> ModalInstance::respond(double frequency, co
     const dttmm_harmonic_result result = {bodies.data(), nodes.data(), with_forces ? elements.data() : nullptr,
                                           with_forces ? constraints.data() : nullptr};
     ask([&](dttmm_error* error) {
-        const auto count = static_cast<uint32_t>(cases.size());
+        const auto count = as_whole<uint32_t>(cases.size());
         if (middle_)
             return plugin_.derivative()->respond_beside(modal_.get(), middle_->modal_.get(), frequency, count, ends.data(),
                                                         loads.data(), &result, error);
@@ -260,8 +260,7 @@ void ModalInstance::set_damping(double mass_rate, const std::vector<double>& rat
     if (!table || !table->set_damping)
         throw Error(ExitCode::plugin_failure, fmt::format("plugin {} knows no damping of modes", plugin_.name()));
     ask([&](dttmm_error* error) {
-        return table->set_damping(modal_.get(), mass_rate, static_cast<uint32_t>(ratios.size()), ratios.data(), below,
-                                  error);
+        return table->set_damping(modal_.get(), mass_rate, as_whole<uint32_t>(ratios.size()), ratios.data(), below, error);
     });
 }
 

@@ -149,7 +149,7 @@ std::vector<std::size_t> Mat5Reader::sizes(std::string_view data) const {
         if (length < 0) fail("a size is below 0");
         if (length > 0 && product > kMostMatNumbers / static_cast<std::uintmax_t>(length)) fail("it has too many numbers");
         product *= static_cast<std::uintmax_t>(length);
-        sizes.push_back(static_cast<std::size_t>(length));
+        sizes.push_back(as_size(length));
     }
     sizes.resize(std::max<std::size_t>(sizes.size(), 2), 1);
     return sizes;
@@ -212,8 +212,8 @@ void Mat5Reader::take_struct(std::string_view data, const std::string& name, std
     const std::string_view all = next(data).data;
     if (width <= 0) fail("the names of its fields have no length");
     std::vector<std::string> fields;
-    for (std::size_t at = 0; at < all.size(); at += static_cast<std::size_t>(width)) {
-        const std::string_view field = all.substr(at, static_cast<std::size_t>(width));
+    for (std::size_t at = 0; at < all.size(); at += as_size(width)) {
+        const std::string_view field = all.substr(at, as_size(width));
         fields.emplace_back(field.substr(0, field.find('\0')));
     }
     constexpr std::size_t kTag = 8;  // bytes that a field takes at least

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "model/error.h"
+#include "model/index.h"
 #include "model/wording.h"
 
 namespace dttmm::host {
@@ -39,7 +40,7 @@ bool is_complex_type(hid_t type) {
     for (const char* part : {"real", "imag"}) {
         const int index = H5Tget_member_index(type, part);
         if (index < 0) return false;
-        const auto member = static_cast<unsigned>(index);
+        const auto member = as_whole<unsigned>(index);
         const Hdf5Id own(H5Tget_member_type(type, member), &H5Tclose);
         if (own < 0 || (H5Tget_class(own) != H5T_FLOAT && H5Tget_class(own) != H5T_INTEGER)) return false;
         if (H5Tget_member_offset(type, member) + H5Tget_size(own) > H5Tget_size(type)) return false;
@@ -140,7 +141,7 @@ void Mat73Reader::check_storage(hid_t dataset, const std::string& name, std::uin
     std::vector<hsize_t> chunk(H5S_MAX_RANK);
     const int rank = H5Pget_chunk(made, H5S_MAX_RANK, chunk.data());
     std::uintmax_t most = size_ * kMostInflation / each;
-    for (int i = 0; i < rank; ++i) most /= std::max<hsize_t>(chunk[static_cast<std::size_t>(i)], 1);
+    for (int i = 0; i < rank; ++i) most /= std::max<hsize_t>(chunk[as_size(i)], 1);
     if (most == 0) fail(name, "its chunks are larger than the file");
 }
 
@@ -187,7 +188,7 @@ void Mat73Reader::take_dataset(hid_t dataset, const std::string& name, const std
     const bool is_empty = H5Aexists(dataset, "MATLAB_empty") > 0;  // sizes stand for the numbers then
     std::uintmax_t count = is_empty ? 0 : 1;
     for (int i = rank; i-- > 0;) {  // the last subscript runs fastest in HDF5, the first in MATLAB
-        const hsize_t length = lengths[static_cast<std::size_t>(i)];
+        const hsize_t length = lengths[as_size(i)];
         if (length > 0 && count > kMostMatNumbers / length) fail(name, "it has too many numbers");
         count *= length;
         array.sizes.push_back(is_empty ? 0 : length);

@@ -17,6 +17,7 @@
 #include "measured/mat_arrays.h"
 #include "measured/remarks.h"
 #include "model/error.h"
+#include "model/index.h"
 #include "model/wording.h"
 
 namespace dttmm::host {
@@ -181,8 +182,8 @@ void MatMeasurement::read_own_curve(const std::map<std::string, std::string>& ch
     if (unit != "s" && unit != "Hz")
         remarks_.add(signal.place, fmt::format("it is over {} in {}, which is neither time nor frequency", quote(over->name),
                                                quote(unit)));
-    is_used_[static_cast<std::size_t>(curve - arrays_.data())] = true;
-    is_used_[static_cast<std::size_t>(over - arrays_.data())] = true;
+    is_used_[as_size(curve - arrays_.data())] = true;
+    is_used_[as_size(over - arrays_.data())] = true;
     add(std::move(signal), over->real);
 }
 

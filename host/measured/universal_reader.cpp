@@ -139,7 +139,7 @@ void ModeCollector::read(UniversalText& text, double lengths) {
             mode.mode.place,
             fmt::format("data set 55 is skipped: its analysis type is {}, its data type {}, with {} per node; modes "
                         "have 2, 3 or 7, then 2 or 5, and 3 or 6 values",
-                        analysis, type, counted(static_cast<std::size_t>(std::max(per_node, 0LL)), "value", "values")));
+                        analysis, type, counted(as_size(std::max(per_node, 0LL)), "value", "values")));
         while (!text.is_at_end() && !is_universal_mark(text.peek())) text.next();
         return;
     }
@@ -148,7 +148,7 @@ void ModeCollector::read(UniversalText& text, double lengths) {
         text.fail(
             "record 7 of data set 55 must hold the counts of whole and real numbers, load case and mode: the file is "
             "damaged");
-    mode.mode.number = wholes[3] > 0 && wholes[3] < std::numeric_limits<int>::max() ? static_cast<int>(wholes[3]) : 0;
+    mode.mode.number = wholes[3] > 0 && wholes[3] < std::numeric_limits<int>::max() ? as_int(wholes[3]) : 0;
     set_frequency(text, analysis, reals(text, as_size(wholes[1])), mode);
     read_shape(text, as_size(per_node), type == 5, lengths, mode);
     if (mode.mode.frequency > 0)

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "model/error.h"
+#include "model/index.h"
 
 namespace dttmm::host {
 
@@ -119,7 +120,7 @@ FixedFields::FixedFields(std::string_view line, std::span<const std::size_t> bla
         blanks, [&](std::size_t column) { return column >= starts->size() || is_blank((*starts)[column]); });
     const std::size_t bytes = line.find_last_not_of(kBlanks) + 1;
     const auto characters = std::ranges::count_if(*starts, [&](std::size_t start) { return start < bytes; });
-    const bool is_too_long = bytes > width && static_cast<std::size_t>(characters) <= width;
+    const bool is_too_long = bytes > width && as_size(characters) <= width;
     if (characters_fit && (!bytes_fit || is_too_long)) starts_ = *starts;
 }
 

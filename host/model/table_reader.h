@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "model/diagnostics.h"
+#include "model/index.h"
 #include "model/keys.h"
 #include "model/parameters.h"
 #include "model/toml_document.h"
@@ -29,9 +30,7 @@ struct ReadContext {
     double instant = 0;  ///< the first at which loads and motions count [s]
 
     /// Where a file that is named at this place is looked for.
-    const std::filesystem::path& folder_of(Place place) const {
-        return inputs.folders.at(static_cast<std::size_t>(place.file));
-    }
+    const std::filesystem::path& folder_of(Place place) const { return inputs.folders.at(as_size(place.file)); }
 };
 
 /// The bound that `number` breaks, "more than 0 N/m"; empty if it breaks none.

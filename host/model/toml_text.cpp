@@ -153,9 +153,8 @@ Place place_of_byte(std::string_view text, std::size_t offset) {
     const std::string_view before = text.substr(0, offset);
     const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 = 0: the first line
     const auto is_first_byte = [](char c) { return (static_cast<unsigned char>(c) & 0xC0u) != 0x80u; };
-    return {
-        as_int(std::count(before.begin(), before.end(), '\n')) + 1,
-        as_int(std::count_if(before.begin() + static_cast<std::ptrdiff_t>(line_start), before.end(), is_first_byte)) + 1};
+    return {as_int(std::count(before.begin(), before.end(), '\n')) + 1,
+            as_int(std::count_if(before.begin() + as_row(line_start), before.end(), is_first_byte)) + 1};
 }
 
 }  // namespace dttmm::host

@@ -69,8 +69,7 @@ std::string list_available(const std::vector<Channel>& all) {
         if (std::find(groups.rbegin(), groups.rend(), group) == groups.rend()) groups.push_back(std::move(group));
     }
     const std::size_t shown = std::min(groups.size(), kShownGroups);
-    std::string text =
-        fmt::format("{}", fmt::join(groups.begin(), groups.begin() + static_cast<std::ptrdiff_t>(shown), ", "));
+    std::string text = fmt::format("{}", fmt::join(groups.begin(), groups.begin() + as_row(shown), ", "));
     if (shown < groups.size()) text += fmt::format(" and {} more", groups.size() - shown);
     return text;
 }

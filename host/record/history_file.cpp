@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "model/error.h"
+#include "model/index.h"
 #include "model/wording.h"
 #include "record/csv_file.h"
 
@@ -41,7 +42,7 @@ std::vector<std::vector<double>> HistoryFile::read(const std::vector<int>& wante
             is_last = comma == row.npos;
             const std::string_view field = row.substr(0, comma);
             if (!is_last) row.remove_prefix(comma + 1);
-            if (next == wanted.size() || column != static_cast<std::size_t>(wanted[next])) continue;
+            if (next == wanted.size() || column != as_size(wanted[next])) continue;
             double value = 0;
             const auto [stop, fault] = std::from_chars(field.data(), field.data() + field.size(), value);
             if (fault != std::errc() || stop != field.data() + field.size() || !std::isfinite(value))

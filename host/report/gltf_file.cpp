@@ -314,10 +314,10 @@ std::string GltfWriter::text() {
         throw Error(ExitCode::resource_limit, "a glTF file has at most 4 GB; record fewer parts or instants");
     std::string all = "glTF";
     append_number(all, 2);
-    append_number(all, static_cast<uint32_t>(total));
-    append_number(all, static_cast<uint32_t>(head.size()));
+    append_number(all, as_whole<uint32_t>(total));
+    append_number(all, as_whole<uint32_t>(head.size()));
     all += "JSON" + head;
-    append_number(all, static_cast<uint32_t>(bytes.size()));
+    append_number(all, as_whole<uint32_t>(bytes.size()));
     all += std::string("BIN\0", 4) + bytes;
     return all;
 }

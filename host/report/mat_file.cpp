@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "model/error.h"
+#include "model/index.h"
 #include "model/wording.h"
 #include "record/atomic_file.h"
 #include "record/file.h"
@@ -82,8 +83,7 @@ Variable text(const std::string& name, std::string_view value) {
 
 Variable texts(const std::string& name, const std::vector<std::string>& values) {
     Variable cell = variable(name, MAT_C_CELL, MAT_T_CELL, {values.size(), 1}, nullptr);
-    for (std::size_t i = 0; i < values.size(); ++i)
-        Mat_VarSetCell(cell.get(), static_cast<int>(i), text("", values[i]).release());
+    for (std::size_t i = 0; i < values.size(); ++i) Mat_VarSetCell(cell.get(), as_int(i), text("", values[i]).release());
     return cell;
 }
 
@@ -94,8 +94,7 @@ public:
         std::vector<const char*> names;
         for (const std::string& field : fields) names.push_back(field.c_str());
         std::array<std::size_t, 2> sizes = {1, count};
-        variable_ =
-            made(Mat_VarCreateStruct(name.c_str(), 2, sizes.data(), names.data(), static_cast<unsigned>(names.size())));
+        variable_ = made(Mat_VarCreateStruct(name.c_str(), 2, sizes.data(), names.data(), as_whole<unsigned>(names.size())));
     }
     void set(std::size_t field, Variable value, std::size_t index = 0) {
         Mat_VarSetStructFieldByIndex(variable_.get(), field, index, value.release());

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/index.h"
+
 namespace dttmm::host {
 
 namespace {

@@ -93,7 +93,7 @@ Found find_frequencies(const Request& request, const Plugins& plugins, const std
     const bool has_shares =
         std::ranges::any_of(patterns, [](const std::string& text) { return text.find(".share") != text.npos; });
     for (size_t m = 0; has_shares && m < modes.size(); ++m) {
-        const ModeEnergies energies = energies_of(session.model, session.machine, modes[m], static_cast<uint32_t>(m));
+        const ModeEnergies energies = energies_of(session.model, session.machine, modes[m], as_whole<uint32_t>(m));
         for (size_t b = 0; b < energies.bodies.size(); ++b)
             for (Eigen::Index d = 0; d < 6; ++d)
                 found.add(

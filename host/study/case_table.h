@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "model/index.h"
 #include "model/model.h"
 #include "record/column.h"
 
@@ -17,7 +18,7 @@ struct CaseTable {
     std::vector<Column> parameters;  ///< names and SI units
     Eigen::MatrixXd values;          ///< a row per case [SI]
 
-    size_t cases() const { return static_cast<size_t>(values.rows()); }
+    size_t cases() const { return as_size(values.rows()); }
     /// name → text of a value, as --set takes them. index: from 0.
     std::vector<std::pair<std::string, std::string>> settings(size_t index) const;
     /// cases.csv: names, units, a row per case; the first column is its number from 1.

@@ -136,7 +136,7 @@ bool SingularPosition::Found::lets_go() const {
 void SingularPosition::count(double time) {
     const auto joint = std::ranges::find_if(found_.let_go, [](unsigned equations) { return equations != 0; });
     if (joint == found_.let_go.end()) return;
-    if (passed_.steps++ == 0) passed_ = {1, time, static_cast<size_t>(joint - found_.let_go.begin())};
+    if (passed_.steps++ == 0) passed_ = {1, time, as_size(joint - found_.let_go.begin())};
 }
 
 void SingularPosition::decide(const std::vector<JointEquations>& joints, const std::vector<BodyState>& now,

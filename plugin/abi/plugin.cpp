@@ -36,6 +36,7 @@ struct dttmm_modal {
 
 namespace {
 
+using dttmm::plugin::as_whole;
 using dttmm::plugin::Error;
 
 /// What is too long is cut between two characters of the UTF-8 text.
@@ -138,7 +139,7 @@ dttmm_status restore_state(dttmm_instance* instance, const void* buffer, size_t 
     return guard(error, [&] { instance->machine.restore_state(buffer, size); });
 }
 
-uint32_t channel_count(const dttmm_instance* instance) { return static_cast<uint32_t>(instance->machine.channel_count()); }
+uint32_t channel_count(const dttmm_instance* instance) { return as_whole<uint32_t>(instance->machine.channel_count()); }
 
 const dttmm_channel* channels(const dttmm_instance* instance) { return instance->machine.channels().data(); }
 
@@ -186,7 +187,7 @@ dttmm_status create_modal(const dttmm_modal_model* model, dttmm_modal** modal, d
 void destroy_modal(dttmm_modal* modal) { delete modal; }
 
 dttmm_status find_modes(dttmm_modal* modal, uint32_t count, double below, uint32_t* found, dttmm_error* error) {
-    return guard(error, [&] { *found = static_cast<uint32_t>(modal->analysis.find_modes(count, below)); });
+    return guard(error, [&] { *found = as_whole<uint32_t>(modal->analysis.find_modes(count, below)); });
 }
 
 dttmm_status mode(dttmm_modal* modal, uint32_t index, dttmm_mode* mode, double* bodies, double* nodes, double* shares,
@@ -199,7 +200,7 @@ int32_t is_axial(const dttmm_modal* modal, uint32_t element) { return modal->ana
 dttmm_status find_damped(dttmm_modal* modal, double below, uint32_t* found, int32_t* is_proved, dttmm_error* error) {
     return guard(error, [&] {
         const dttmm::plugin::DampedModes::Count count = modal->analysis.find_damped(below);
-        *found = static_cast<uint32_t>(count.modes);
+        *found = as_whole<uint32_t>(count.modes);
         *is_proved = !count.is_proved ? 0 : count.has_left_out ? 2 : 1;
     });
 }
@@ -233,8 +234,8 @@ dttmm_status overall_matrix(dttmm_modal* modal, double frequency, uint32_t* rows
                             char* text, uint32_t size, dttmm_error* error) {
     return guard(error, [&] {
         const auto written = modal->analysis.overall_matrix(frequency);
-        *rows = static_cast<uint32_t>(written.U.rows());
-        *columns = static_cast<uint32_t>(written.U.cols());
+        *rows = as_whole<uint32_t>(written.U.rows());
+        *columns = as_whole<uint32_t>(written.U.cols());
         using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
         if (matrix) Eigen::Map<RowMajor>(matrix, written.U.rows(), written.U.cols()) = written.U;
         if (!text || size == 0) return;
@@ -250,7 +251,7 @@ dttmm_status overall(dttmm_modal* modal, double frequency, dttmm_overall* overal
     return guard(error, [&] {
         const dttmm::plugin::OverallTransfer& topology = modal->analysis.topology();
         if (layout && size > 0) copy_text(topology.layout(), layout, size);
-        *overall = {static_cast<uint32_t>(topology.rows()), static_cast<uint32_t>(topology.columns()), 1, 0, 0};
+        *overall = {as_whole<uint32_t>(topology.rows()), as_whole<uint32_t>(topology.columns()), 1, 0, 0};
         const auto check = modal->analysis.overall(frequency);
         overall->smallest = check.smallest;
         overall->sign = check.sign;
@@ -350,7 +351,7 @@ dttmm_status add_law(const dttmm_law* law, const dttmm_law* volatile* at_work, d
         if (law == nullptr || at_work == nullptr) throw Error(DTTMM_ERROR_ARGUMENT, "no law");
         dttmm::plugin::add_law(*law, at_work);
         const auto types = dttmm::plugin::element_types();
-        table().element_type_count = static_cast<uint32_t>(types.size());
+        table().element_type_count = as_whole<uint32_t>(types.size());
         table().element_types = types.data();
     });
 }
@@ -365,7 +366,7 @@ dttmm_status fit(uint32_t type, const double* values, uint32_t direction, dttmm_
             joint ? std::dynamic_pointer_cast<const dttmm::plugin::Viscoelastic>(joint->law().laws[direction]) : nullptr;
         if (!law) return;
         const auto misfit = law->misfit();
-        *fit = {static_cast<uint32_t>(law->series().terms.size()), misfit.share, misfit.omega / (2 * M_PI)};
+        *fit = {as_whole<uint32_t>(law->series().terms.size()), misfit.share, misfit.omega / (2 * M_PI)};
     });
 }
 
@@ -419,7 +420,7 @@ dttmm_plugin& table() {
         DTTMM_PLUGIN_MINOR,
         "dttmm transfer matrices",
         DTTMM_VERSION,
-        static_cast<uint32_t>(dttmm::plugin::element_types().size()),
+        as_whole<uint32_t>(dttmm::plugin::element_types().size()),
         dttmm::plugin::element_types().data(),
         create,
         destroy,

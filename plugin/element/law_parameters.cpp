@@ -48,7 +48,7 @@ LawParameters::LawParameters(const std::string& key, bool is_rotation) : key_(ke
     for (const std::string& name : names_) texts_.push_back(full(name));
     declared_.push_back(
         {texts_[0].c_str(), "1", 1, DTTMM_PARAMETER_WORDS_ONLY, key.empty() ? 0 : kNotGiven, 0, kLargest, words_.data(),
-         static_cast<uint32_t>(words_.size()),
+         as_whole<uint32_t>(words_.size()),
          key.empty() ? "law of the spring" : "law of the spring in that direction, in place of a stiffness"});
     for (size_t i = 0; i < names_.size(); ++i)
         declared_.push_back(optional(texts_[1 + i].c_str(), numbers[i].unit[is_rotation], 1, numbers[i].minimum, kLargest,
@@ -106,7 +106,7 @@ const dttmm_element_type& TypeWithLaws::get() {
         laws_ = law_types().size();
         std::vector<dttmm_parameter>& all = all_.emplace_back(own_.begin(), own_.end());
         take_([&](const LawParameters& law) { all.insert(all.end(), law.declared().begin(), law.declared().end()); });
-        type_.parameter_count = static_cast<uint32_t>(all.size());
+        type_.parameter_count = as_whole<uint32_t>(all.size());
         type_.parameters = all.data();
     }
     return type_;

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "core/index.h"
 #include "mechanism/joint_geometry.h"
 
 namespace dttmm::plugin {
@@ -28,7 +29,7 @@ public:
     /// Where to write the element's index while its law is asked; NULL: nowhere.
     void report_work(volatile int32_t* at_work, uint32_t element) {
         at_work_ = at_work;
-        reported_ = static_cast<int32_t>(element);
+        reported_ = as_whole<int32_t>(element);
     }
 
     /// Solves its kind for the step size. Throws Error naming the element.

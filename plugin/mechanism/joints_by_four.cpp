@@ -117,10 +117,10 @@ void JointsByFour::take(const Mechanism& mechanism, std::span<const size_t> four
     taken.point.has_lever = false;
     for (size_t k = 0; k < kCount; ++k) {
         joints[k] = &mechanism.joints[four[k]];
-        taken.joint[k] = static_cast<uint32_t>(four[k]);
-        if (taken.keeps_rates) taken.damper[k] = static_cast<uint32_t>(mechanism.damper_of[four[k]]);
-        taken.from[k] = static_cast<uint32_t>(joints[k]->from());
-        taken.to[k] = static_cast<uint32_t>(joints[k]->to());
+        taken.joint[k] = as_whole<uint32_t>(four[k]);
+        if (taken.keeps_rates) taken.damper[k] = as_whole<uint32_t>(mechanism.damper_of[four[k]]);
+        taken.from[k] = as_whole<uint32_t>(joints[k]->from());
+        taken.to[k] = as_whole<uint32_t>(joints[k]->to());
         const JointSeat& seat = joints[k]->seat();
         set_lane(taken.point.rest, as_int(k), seat.rest);
         set_lane(taken.point.to_point, as_int(k), seat.to_point);
@@ -133,8 +133,8 @@ void JointsByFour::take(const Mechanism& mechanism, std::span<const size_t> four
     if (differ([](const Joint* a, const Joint* b) { return &a->kind() == &b->kind(); })) take_springs(joints);
     if (differ([](const Joint* a, const Joint* b) { return have_axes_alike(*a->seat().own, *b->seat().own); }))
         take_axes(joints);
-    taken.springs = static_cast<uint32_t>(springs_.size() - 1);
-    taken.axes = static_cast<uint32_t>(axes_.size() - 1);
+    taken.springs = as_whole<uint32_t>(springs_.size() - 1);
+    taken.axes = as_whole<uint32_t>(axes_.size() - 1);
     fours_.push_back(taken);
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "core/index.h"
 #include "core/rotation.h"
 
 namespace dttmm::plugin {
@@ -21,7 +22,7 @@ Loading::Loading(const Assembly& assembly, const dttmm_network& description) {
         const dttmm_line_load& load = description.line_loads[k];
         const auto kind = load.axes == DTTMM_AXES_ELEMENT ? Action::Kind::turns_with_segment : Action::Kind::on_segment;
         for (const SegmentsSpec& line : assembly.segments) {
-            if (line.element != static_cast<int>(load.element)) continue;
+            if (line.element != as_int(load.element)) continue;
             const double l = line.length;
             for (int i = 0; i < line.count; ++i)
                 actions_.push_back({line.first + i, kind, value_count_, line.arm, !line.arm.isZero(0),

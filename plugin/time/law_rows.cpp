@@ -63,8 +63,8 @@ void LawRows::find_responses(const Elimination& matrix, double step_size, std::v
         for (int end : {0, 1})
             if (rows_[c].frame[end] >= 0) u[as_size(rows_[c].frame[end])] += rows_[c].G[end];
         matrix.solve(u, q);
-        std::copy(u.begin(), u.end(), responses_.begin() + static_cast<std::ptrdiff_t>(c * frames_));
-        std::copy(q.begin(), q.end(), rigid_responses_.begin() + static_cast<std::ptrdiff_t>(c * rigid_));
+        std::copy(u.begin(), u.end(), responses_.begin() + as_row(c * frames_));
+        std::copy(q.begin(), q.end(), rigid_responses_.begin() + as_row(c * rigid_));
         for (size_t r = 0; r < rows_.size(); ++r) {
             double sum = 0;
             for (int end : {0, 1})

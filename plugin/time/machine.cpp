@@ -84,16 +84,16 @@ public:
         for (uint32_t k = 0; k < whole.line_load_count; ++k) {
             const auto own = std::ranges::find(elements, whole.line_loads[k].element);
             if (own == elements.end()) continue;
-            line_loads_.push_back({static_cast<uint32_t>(own - elements.begin()), whole.line_loads[k].axes});
+            line_loads_.push_back({as_whole<uint32_t>(own - elements.begin()), whole.line_loads[k].axes});
             line_load_places_.push_back(k);
         }
-        part_.body_count = static_cast<uint32_t>(bodies_.size());
+        part_.body_count = as_whole<uint32_t>(bodies_.size());
         part_.bodies = bodies_.data();
-        part_.node_count = static_cast<uint32_t>(nodes_.size());
+        part_.node_count = as_whole<uint32_t>(nodes_.size());
         part_.nodes = nodes_.data();
-        part_.element_count = static_cast<uint32_t>(elements_.size());
+        part_.element_count = as_whole<uint32_t>(elements_.size());
         part_.elements = elements_.data();
-        part_.line_load_count = static_cast<uint32_t>(line_loads_.size());
+        part_.line_load_count = as_whole<uint32_t>(line_loads_.size());
         part_.line_loads = line_loads_.data();
     }
     const dttmm_network& description() const { return part_; }
@@ -103,19 +103,19 @@ public:
 
 private:
     uint32_t node(const dttmm_network& whole, uint32_t index) {
-        const auto [found, is_new] = node_of_.try_emplace(index, static_cast<uint32_t>(nodes_.size()));
+        const auto [found, is_new] = node_of_.try_emplace(index, as_whole<uint32_t>(nodes_.size()));
         if (!is_new) return found->second;
         dttmm_node own = whole.nodes[index];
         if (own.kind == DTTMM_NODE_ON_BODY && own.body < whole.body_count) own.body = body(whole, own.body);
         const int support = supports_.body_of(index);
-        places_.supported_by.push_back(support < 0 ? -1 : as_int(body(whole, static_cast<uint32_t>(support))));
+        places_.supported_by.push_back(support < 0 ? -1 : as_int(body(whole, as_whole<uint32_t>(support))));
         nodes_.push_back(own);
         places_.nodes.push_back(index);
         return found->second;
     }
 
     uint32_t body(const dttmm_network& whole, uint32_t index) {
-        const auto [body, is_new] = body_of_.try_emplace(index, static_cast<uint32_t>(bodies_.size()));
+        const auto [body, is_new] = body_of_.try_emplace(index, as_whole<uint32_t>(bodies_.size()));
         if (is_new) {
             bodies_.push_back(whole.bodies[index]);
             places_.bodies.push_back(index);
@@ -304,7 +304,7 @@ void Machine::begin_step(const dttmm_step& step, const double* loads) {
 }
 
 uint32_t Machine::part_count() const {
-    return static_cast<uint32_t>(std::ranges::count_if(networks_, [](const Part& part) { return part.network.iterates(); }));
+    return as_whole<uint32_t>(std::ranges::count_if(networks_, [](const Part& part) { return part.network.iterates(); }));
 }
 
 void Machine::iterate(const dttmm_motion* trial, dttmm_progress* progress) {
@@ -313,7 +313,7 @@ void Machine::iterate(const dttmm_motion* trial, dttmm_progress* progress) {
         if (!part.network.iterates()) return;
         part.network.iterate(all, *progress);
         const auto& elements = part.network.places().elements;
-        progress->element = static_cast<int32_t>(elements[as_size(std::max(progress->element, 0))]);
+        progress->element = as_whole<int32_t>(elements[as_size(std::max(progress->element, 0))]);
         ++progress;
     });
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/index.h"
 #include "core/rotation.h"
 
 namespace dttmm::plugin {
@@ -48,7 +49,7 @@ Supports::Supports(const dttmm_network& description) : description_(description)
             throw Error(DTTMM_ERROR_ARGUMENT,
                         fmt::format("support {}: supports are inner nodes with fixed directions, ascending", index));
         dttmm_node& node = all_nodes_[index];
-        const auto body = static_cast<uint32_t>(bodies_.size());
+        const auto body = as_whole<uint32_t>(bodies_.size());
         if (node.fixed == kAllFixed) {
             node.kind = DTTMM_NODE_ON_BODY;
             node.body = body;
@@ -63,7 +64,7 @@ Supports::Supports(const dttmm_network& description) : description_(description)
         rest_.push_back(frame);
     }
     description_.bodies = bodies_.data();
-    description_.body_count = static_cast<uint32_t>(bodies_.size());
+    description_.body_count = as_whole<uint32_t>(bodies_.size());
     description_.nodes = all_nodes_.data();
     wanted_.resize(nodes_.size());
     first_ = wanted_;

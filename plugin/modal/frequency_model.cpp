@@ -160,13 +160,14 @@ double FrequencyModel::stiffest_hinge() const {
 }
 
 double FrequencyModel::stiffest_rotor() const {
-    std::vector<double> inertia(frames.size());
+    std::vector<double> inertia(frames.size()), stiffness(frames.size());
     for (const Mass& mass : masses) inertia[as_size(mass.frame)] += mass.block.bottomRightCorner<3, 3>().trace() / 2;
-    double largest = 0;
     for (const Bond& bond : bonds)
         for (const int frame : {bond.from, bond.to})
-            if (frame >= 0 && inertia[as_size(frame)] > 0)
-                largest = std::max(largest, turning_stiffness(bond) / inertia[as_size(frame)]);
+            if (frame >= 0) stiffness[as_size(frame)] += turning_stiffness(bond);
+    double largest = 0;
+    for (size_t f = 0; f < frames.size(); ++f)
+        if (inertia[f] > 0) largest = std::max(largest, stiffness[f] / inertia[f]);
     return largest;
 }
 

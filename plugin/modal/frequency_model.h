@@ -171,7 +171,7 @@ struct FrequencyModel {
     /// The largest stiffness of joints against turning over the inertia of all masses and lines about one of them [1/s²]; 0:
     /// none.
     double stiffest_hinge() const;
-    /// The largest stiffness of a joint against turning over the inertia of one of its frames [1/s²]; 0: none.
+    /// Of a frame: the stiffness of its joints against turning over its inertia, the largest [1/s²]; 0: none.
     double stiffest_rotor() const;
     double turning_stiffness(const Bond& bond) const;  ///< the largest about an axis [N m/rad]
     /// Of joints: what their stiffness against turning makes of the rotation of both their frames, not of the difference,

@@ -14,6 +14,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "analysis/critical_loads.h"
 #include "analysis/free_motions.h"
 #include "analysis/law_limits.h"
 #include "analysis/modal_session.h"
@@ -230,130 +231,6 @@ void print_table(const Model& model, const Vectors& vectors) {
     for (const Joint& joint : model.joints) print_force(joint.name);
 }
 
-/// A load factor at which a motion begins to grow.
-struct CriticalLoad {
-    double factor;  ///< 0: a motion that nothing but the forces acts on grows however small they are
-    /// Share of it by which rounding and forces that do not balance may change it at most; none: not known.
-    std::optional<double> uncertainty;
-    /// With half as many segments in every beam; none: not known.
-    std::optional<double> coarser = std::nullopt;
-    /// Share of it that the segments leave, at most: in the end it falls with the square of their length, at first more
-    /// slowly.
-    std::optional<double> segment_error() const {
-        return coarser && factor > 0 ? std::optional(std::abs(*coarser / factor - 1)) : std::nullopt;
-    }
-};
-
-/// Ascending, and how far they were looked for.
-struct CriticalLoads {
-    std::vector<CriticalLoad> factors;
-    double up_to = 0;
-    std::string why_not_beyond;  ///< empty: up to the largest
-};
-
-/// A machine at rest under a multiple of its forces.
-class Buckling {
-public:
-    static constexpr double kLargest = 1e9;  ///< of the forces at rest; the results name it
-
-    explicit Buckling(ModalDescription description) : description_(std::move(description)) {}
-
-    /// Load factors at which motions begin to grow, ascending: all forces of the machine at rest count so many times, with
-    /// the places and the stiffness that it has there. Each factor is enclosed by two counts. Looked for up to 1e9, or to
-    /// within 2 % of where forces are so large that a section cannot bear them or nothing can be counted beside them.
-    CriticalLoads find_factors(int wanted) {
-        description_.scale_forces(0);
-        is_held_ = is_held();
-        slack_ = is_held_ ? 1 : kSlack;
-        double high = 1, below = 0;
-        int there = count(high, slack_);
-        for (double step = kLargestStep; there < wanted && high < kLargest && step > kLeastStep;) {
-            const double next = std::min(step * high, kLargest);
-            if (const std::optional<int> found = try_count(next)) {
-                there = *found;
-                high = next;
-            } else {
-                step = std::sqrt(step);
-            }
-        }
-        std::vector<CriticalLoad> factors;
-        for (int k = 1; k <= std::min(wanted, there); ++k) {
-            const double found = find_crossing(k, below, high);
-            factors.push_back(found <= kSmallest && !is_held_ ? CriticalLoad{0, 0} : judge(found, k));
-            below = found * (1 - 1e-9);
-        }
-        return {factors, high, high < kLargest ? why_not_ : ""};
-    }
-
-private:
-    /// Of dttmm_modal.h: growth that rounding could make is not counted; nor is that of the second look.
-    static constexpr int kSlack = 4, kMoreSlack = 16;
-
-    /// Not known: as if something were free.
-    bool is_held() {
-        try {
-            return ModalInstance(description_.plugin(), description_.model()).count_free().value_or(1) == 0;
-        } catch (const Error& error) {
-            if (error.code() != ExitCode::numerical_failure) throw;
-            return false;
-        }
-    }
-    int count(double factor, int slack) {
-        description_.scale_forces(factor);
-        return as_int(ModalInstance(description_.plugin(), description_.model()).count_growing(slack));
-    }
-    /// None: they cannot be counted under so large forces.
-    std::optional<int> try_count(double factor) {
-        try {
-            return count(factor, slack_);
-        } catch (const Error& error) {
-            if (error.code() == ExitCode::plugin_failure || error.code() == ExitCode::internal_error) throw;
-            why_not_ = error.what();
-            return std::nullopt;
-        }
-    }
-    /// The factor from which on so many motions grow.
-    double find_crossing(int number, double below, double above) {
-        constexpr double kNear = 1e-12;
-        while (above - below > kNear * above && above > kSmallest) {
-            const double middle = below > above / 4 ? 0.5 * (below + above) : std::max(0.25 * above, below + 1e-3 * above);
-            (count(middle, slack_) >= number ? above : below) = middle;
-        }
-        return above;
-    }
-    /// By what share beyond a factor so many motions grow in spite of a larger slack; to 1e-6 of that share.
-    std::optional<double> share_beyond(double factor, int number, int slack) {
-        double above = kLeastShare;
-        for (; count(factor * (1 + above), slack) < number; above *= 4)
-            if (above > 1e9) return std::nullopt;
-        double below = above > kLeastShare ? above / 4 : above;
-        while (above - below > 1e-6 * above) {
-            const double middle = 0.5 * (below + above);
-            (count(factor * (1 + middle), slack) >= number ? above : below) = middle;
-        }
-        return above;
-    }
-    /// The squared rate of growth is linear in the factor where it begins.
-    CriticalLoad judge(double found, int number) {
-        if (is_held_) return {found, share_beyond(found, number, kSlack)};
-        const std::optional<double> share = share_beyond(found, number, kMoreSlack);
-        if (!share) return {found, std::nullopt};
-        const double late = found * *share * kSlack / (kMoreSlack - kSlack), factor = found - late;
-        if (factor < kNothing * found) return {0, std::nullopt};
-        return {factor, std::max(late / factor, kLeastShare)};
-    }
-
-    /// From one factor to the next: 4, and its roots as long as they are larger than the least. The last is 1.022.
-    static constexpr double kLargestStep = 4, kLeastStep = 1.02;
-    static constexpr double kLeastShare = 1e-9;  // of a factor: a thousand times what a bisection leaves
-    static constexpr double kSmallest = 1e-9;    // factor
-    static constexpr double kNothing = 1e-4;     // of a factor that rounding makes: share_beyond() is known to 1e-6
-    ModalDescription description_;
-    bool is_held_ = false;
-    int slack_ = kSlack;
-    std::string why_not_;
-};
-
 void print_buckling(const CriticalLoads& loads, int wanted) {
     const std::vector<CriticalLoad>& factors = loads.factors;
     const bool are_all = loads.why_not_beyond.empty();
@@ -383,15 +260,15 @@ std::optional<size_t> segments_at(const dttmm_element_type& type) {
 }
 
 /// False: no element has more than one.
-bool halve_segments(Model& model, const ElementCatalogue& catalogue) {
-    bool is_halved = false;
+bool divide_segments(Model& model, const ElementCatalogue& catalogue, int by) {
+    bool is_coarser = false;
     for (Element& element : model.elements)
         if (const auto at = segments_at(*catalogue.types[as_size(element.type)]); at && element.values[*at] > 1) {
             double& segments = element.values.change()[*at];
-            segments = std::floor(segments / 2);
-            is_halved = true;
+            segments = std::max(std::floor(segments / by), 1.0);
+            is_coarser = true;
         }
-    return is_halved;
+    return is_coarser;
 }
 
 /// A machine at rest under the loads of one case, or under all.
@@ -484,20 +361,23 @@ std::unique_ptr<Simulation> bring_to_rest(const Model& model, const Plugins& plu
     }
 }
 
-/// The factors with half as many segments: moments and torsion along beams count by their segments, and the enclosure of a
-/// factor does not know it.
+/// The factors with half and with a third of the segments, the farther of both: moments and torsion along beams count by
+/// their segments, and the enclosure of a factor does not know it. Of a few segments two numbers may agree by chance.
 void find_coarser(const Model& model, const Plugins& plugins, std::vector<CriticalLoad>& factors) {
-    Model coarse = model;
-    if (factors.empty() || !halve_segments(coarse, plugins.catalogue())) return;
-    try {
-        const std::unique_ptr<Simulation> resting = bring_to_rest(coarse, plugins);
-        ModalDescription description(coarse, plugins, {&resting->networks(), &resting->equilibrium(), *resting->rest()});
-        const CriticalLoads found = Buckling(std::move(description)).find_factors(as_int(factors.size()));
-        for (size_t k = 0; k < std::min(factors.size(), found.factors.size()); ++k)
-            factors[k].coarser = found.factors[k].factor;
-    } catch (const Error& error) {
-        if (error.code() == ExitCode::plugin_failure || error.code() == ExitCode::internal_error) throw;
-    }
+    for (const int by : {2, 3}) try {
+            Model coarse = model;
+            if (factors.empty() || !divide_segments(coarse, plugins.catalogue(), by)) return;
+            const std::unique_ptr<Simulation> resting = bring_to_rest(coarse, plugins);
+            ModalDescription description(coarse, plugins, {&resting->networks(), &resting->equilibrium(), *resting->rest()});
+            const CriticalLoads found = find_critical_loads(std::move(description), as_int(factors.size()));
+            for (size_t k = 0; k < std::min(factors.size(), found.factors.size()); ++k) {
+                CriticalLoad& own = factors[k];
+                const double other = found.factors[k].factor;
+                if (!own.coarser || std::abs(other - own.factor) > std::abs(*own.coarser - own.factor)) own.coarser = other;
+            }
+        } catch (const Error& error) {
+            if (error.code() == ExitCode::plugin_failure || error.code() == ExitCode::internal_error) throw;
+        }
 }
 
 /// Counts motions that grow, names those that nothing holds, and finds load factors where they are asked for.
@@ -529,7 +409,7 @@ void look_at_stability(const Request& request, const Model& model, const Plugins
         found.why_not_counted = error.what();
         found.why_free_unknown.clear();  // for the same reason
     }
-    if (request.statics.buckling > 0) found.critical = Buckling(describe()).find_factors(request.statics.buckling);
+    if (request.statics.buckling > 0) found.critical = find_critical_loads(describe(), request.statics.buckling);
     for (CriticalLoad& load : found.critical.factors)
         if (load.uncertainty) *load.uncertainty += found.rest.unbalanced();
     find_coarser(model, plugins, found.critical.factors);
@@ -687,7 +567,8 @@ void note_line_loads(const Results& results, const Model& model, const ElementCa
     warnings.note(
         "line-load-segments",
         fmt::format("{}element {}: loads along it act at the middles of its {:g} segments, and moments err by up to "
-                    "about {:.2g} N*m, {:.1g} of its largest{}. With twice as many it is a fourth",
+                    "about {:.2g} N*m, {:.1g} of its largest, where it is not held statically determinately{}. With "
+                    "twice as many it is a fourth",
                     worst.found->load_case.empty() ? "" : fmt::format("case {}: ", quote(worst.found->load_case)),
                     quote(worst.element->name), worst.segments, worst.error, worst.share,
                     count > 1 ? fmt::format(", and in {} more less", count - 1) : ""));
@@ -797,10 +678,11 @@ void note_coarser(const std::vector<CriticalLoad>& factors, const std::string& p
     const auto error = [](const CriticalLoad& load) { return load.segment_error().value_or(0); };
     const auto worst = std::ranges::max_element(factors, {}, error);
     if (worst == factors.end() || error(*worst) <= kShown) return;
-    warnings.note("critical-load-segments",
-                  fmt::format("{}with half as many segments in its beams the critical load factor {:.6g} is {:.6g}: these "
-                              "segments leave an error of up to about {:.1g} of it; more of them come nearer",
-                              place, worst->factor, *worst->coarser, error(*worst)));
+    warnings.note(
+        "critical-load-segments",
+        fmt::format("{}with fewer segments in its beams, a half or a third, the critical load factor {:.6g} is {:.6g}: "
+                    "these segments leave an error of less than about {:.1g} of it; more of them come nearer",
+                    place, worst->factor, *worst->coarser, error(*worst)));
 }
 
 std::string growing_of(const Found& found) {

@@ -458,6 +458,11 @@ TEST(Command, ChannelsAreListed) {
     EXPECT_THAT(all.out, testing::ContainsRegex("\nplate.left.position.x +m +.on request.\n"));
     EXPECT_THAT(all.out, testing::ContainsRegex("\nplate.left.acceleration.x +m/s.2\n"));
     EXPECT_EQ(run_dttmm(folder.path(), {"channels", "small.toml", "three"}).code, 3);
+    // A model for statics and modes has no duration
+    write_text(folder / "resting.toml", small_model_with("duration = ", "# duration = "));
+    const Ended resting = run_dttmm(folder.path(), {"channels", "resting.toml"});
+    EXPECT_EQ(resting.code, 0) << resting.err;
+    EXPECT_EQ(resting.out, all.out);
 }
 
 }  // namespace

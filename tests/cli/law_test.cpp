@@ -138,6 +138,13 @@ TEST(ForeignLaw, ThatBreaksIsNamedWithElementAndTime) {
     EXPECT_EQ(ended.code, 7);
     EXPECT_THAT(ended.err, AllOf(HasSubstr("element \"pad\""),
                                  HasSubstr("law \"faulty\": it writes more than the 1 numbers of its memory")));
+    ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out7", "--plugin", faulty_law("force_at_zero")});
+    EXPECT_EQ(ended.code, 7);
+    EXPECT_THAT(ended.err,
+                AllOf(HasSubstr("element \"pad\""), HasSubstr("law \"faulty\": on a path of no length its mean force is")));
+    ended = run_dttmm(folder.path(), {"check", "model.toml"});
+    EXPECT_EQ(ended.code, 3);
+    EXPECT_THAT(ended.err, HasSubstr("a law of your own is known with --plugin and its library"));
     ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out6", "--plugin", faulty_law("rounds_up")});
     EXPECT_EQ(ended.code, 7);
     EXPECT_THAT(ended.err, AllOf(HasSubstr("t = 0.001 s: element \"pad\""),

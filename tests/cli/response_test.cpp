@@ -994,7 +994,8 @@ TEST_F(SteadyVibration, WrongQuestionsAreRefused) {
     }
     EXPECT_THAT(fault(harmonic, {"--out", "m"}, 2), HasSubstr("which frequencies?"));
     EXPECT_THAT(fault(harmonic, {"--from", "3Hz"}, 2), HasSubstr("--from and --to go together"));
-    EXPECT_THAT(fault(kMassOnSpring + "force = 3\n", {"--from", "1Hz", "--to", "2Hz"}), HasSubstr("nothing vibrates"));
+    EXPECT_THAT(fault(kMassOnSpring + "force = 3\n", {"--from", "1Hz", "--to", "2Hz"}),
+                AllOf(HasSubstr("nothing vibrates"), HasSubstr("The load at "), HasSubstr("acts in runs and at rest")));
     EXPECT_THAT(fault(kMassOnSpring + "psd = { frequencies = [3, 2], values = [1, 1] }\n", {}), HasSubstr("must increase"));
     EXPECT_THAT(fault(kMassOnSpring + "psd = { frequencies = [1, 2], values = [1, -1] }\n", {}), HasSubstr("≥ 0"));
     EXPECT_THAT(fault(kMassOnSpring + "psd = { frequencies = [1], values = [1] }\n", {}), HasSubstr("two points or more"));

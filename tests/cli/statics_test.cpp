@@ -3286,6 +3286,58 @@ force = {}
                        theory, EA, EI, 1.9 * EI, shear, force);
 }
 
+// Oracle: the board above as one beam tips over at 3.68986 times the load; its segments err by less than is said. Moments
+// count by segments, an axial force does not.
+TEST(ModesAtRest, WhatSegmentsLeaveOfACriticalLoadIsSaid) {
+    const std::vector<Eigen::Vector3d> ends = {{0, 0, 0}, {1.2, 1.6, 0}};
+    double last = 1;
+    for (const int segments : {3, 6, 12, 25}) {
+        std::string board = board_in_a_row(ends, 2);
+        board.replace(board.find("segments = 1"), 12, fmt::format("segments = {}", segments));
+        const AtRest rest = rest_of(board, {"--buckling", "1"});
+        const double found = rest.summary["critical_load_factors"][0],
+                     error = rest.summary["critical_load_segment_errors"][0];
+        EXPECT_LT(std::abs(found - 3.68986), error * found) << segments;
+        EXPECT_LT(error, 0.8 * last) << segments;
+        EXPECT_THAT(codes_of(rest.summary), testing::Contains("critical-load-segments"));
+        last = error;
+    }
+    const AtRest column = rest_of(straight_bar("euler-bernoulli", 1e7, 0, 13, -0.01), {"--buckling", "1"});
+    EXPECT_LT(column.summary["critical_load_segment_errors"][0], 1e-6);
+    EXPECT_THAT(codes_of(column.summary), testing::Not(testing::Contains("critical-load-segments")));
+}
+
+// Oracle: q L²/12 at the ends of a clamped beam without shear, and the error of the rule of midpoints for it, q h²/24.
+TEST(Statics, WhatSegmentsLeaveOfALoadAlongABeamIsSaid) {
+    constexpr double kLoad = 70 * 9.81, kLength = 3;
+    for (const int segments : {4, 10, 40}) {
+        const AtRest rest = rest_of(fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+b = {{ position = [3, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+[[element]]
+name = "girder"
+type = "beam"
+from = "a"
+to = "b"
+theory = "euler-bernoulli"
+segments = {}
+section = {{ EA = 1e12, EIy = 4e7, EIz = 3e7, GJ = 2e7, mass = 70 }}
+)",
+                                                segments));
+        const double expected = kLoad * kLength * kLength / (24 * segments * segments);
+        EXPECT_NEAR(std::abs(rest.row.at("a.reaction_moment.y")) - kLoad * kLength * kLength / 12, expected,
+                    1e-3 * expected);
+        EXPECT_EQ(testing::Value(rest.told, HasSubstr("loads along it act at the middles of its")), segments < 40)
+            << rest.told;
+        if (segments < 40) {
+            EXPECT_THAT(rest.told, HasSubstr(fmt::format("err by up to about {:.2g} N*m", expected)));
+        }
+    }
+}
+
 // Oracle: Euler's load, pressed, and nothing, pulled. A section is pressed by EA and pulled by the smaller of EA and GA at
 // most: the search ends at up to 1.03 of it below, and the program says where and why.
 TEST(ModesAtRest, CriticalLoadsAreLookedForAsFarAsSectionsBear) {

@@ -161,6 +161,23 @@ void warn_unlike(const std::vector<CaseCurves>& curves, Warnings& warnings) {
                         case_name(curves[worst_case].nearest), case_name(worst_case)));
 }
 
+/// A mode may leave those that are looked for.
+void note_gaps(const std::vector<SweptCase>& cases, const std::vector<CaseCurves>& curves, Warnings& warnings) {
+    const auto completed = as_size(std::ranges::count_if(cases, [](const SweptCase& one) { return one.reason.empty(); }));
+    size_t count = 0, first = 0, missing = 0;
+    for (size_t k = 0; k < (curves.empty() ? 0 : curves.front().mode_of.size()); ++k) {
+        const auto found = as_size(
+            std::ranges::count_if(curves, [&](const CaseCurves& one) { return one.mode_of[k] != CaseCurves::kNone; }));
+        if (found == completed) continue;
+        if (++count == 1) first = k, missing = completed - found;
+    }
+    if (count > 0)
+        warnings.note("curve-gaps",
+                      fmt::format("{} no frequency in some cases, curve{} in {} of {}: a mode is not among those looked for "
+                                  "there; a larger --count finds more",
+                                  counted(count, "curve has", "curves have"), first + 1, missing, completed));
+}
+
 /// The curves of the cases that have not failed; the others have no part in them.
 std::vector<CaseCurves> follow_completed(const std::vector<SweptCase>& cases, const std::vector<CaseShapes>& shapes) {
     std::vector<size_t> completed;
@@ -249,6 +266,7 @@ ExitCode sweep_modes(const Request& request, const std::vector<SweepAxis>& axes)
     }
     const size_t failed = tell_failures(cases, grid);
     warn_unlike(curves, warnings);
+    note_gaps(cases, curves, warnings);
     warnings.print_rest("");
     if (cases.size() < grid.size()) {
         tell(fmt::format("{}; {} of {} cases are kept", StopSignals::reason(), cases.size(), grid.size()));

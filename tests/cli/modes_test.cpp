@@ -696,6 +696,9 @@ mass = 1
     }
     EXPECT_THAT(ended.out, testing::StartsWith("case              k [N/m] curve1 [Hz] curve2 [Hz] lowest mac\n"));
     EXPECT_EQ(ended.err, "");
+    // Where both have one frequency there are two modes, elsewhere one: the lower
+    EXPECT_THAT(run_dttmm(folder.path(), {"modes", "m.toml", "--sweep", "k=70N/m,100N/m,130N/m", "--count", "1"}).err,
+                HasSubstr("note: 2 curves have no frequency in some cases, curve1 in 1 of 3: a mode is not among those"));
     // The same as an object, in the same order
     const Ended json = run_dttmm(folder.path(), {"modes", "m.toml", "--sweep", "k=40N/m,190N/m", "--json"});
     ASSERT_EQ(json.code, 0) << json.err;

@@ -488,8 +488,9 @@ struct Sections {
 };
 
 /// Of the elements that have sections.
-std::unordered_map<std::string_view, Sections> find_sections(const std::vector<Channel>& channels) {
-    std::unordered_map<std::string_view, Sections> all;
+using SectionsOf = std::unordered_map<std::string_view, Sections>;
+SectionsOf find_sections(const std::vector<Channel>& channels) {
+    SectionsOf all;
     for (size_t c = 0; c < channels.size(); ++c) {
         if (channels[c].of() != Channel::Of::element || channels[c].quantity() != "section0.force") continue;
         const std::string& owner = channels[c].owner();
@@ -504,7 +505,7 @@ std::unordered_map<std::string_view, Sections> find_sections(const std::vector<C
 }
 
 /// members.csv: what every section of beams and rods carries, a row per case, element and section.
-std::string members_of(const Results& results, const Model& model) {
+std::string members_of(const Results& results, const Model& model, const SectionsOf& all) {
     const bool are_named = !results.cases.front().load_case.empty();
     std::vector<Column> columns;
     if (are_named) columns.push_back({"case", ""});
@@ -513,7 +514,6 @@ std::string members_of(const Results& results, const Model& model) {
                                      std::pair("My", "N*m"), std::pair("Mz", "N*m"), std::pair("stress", "Pa")})
         columns.push_back({name, unit});
     CsvTable table(columns);
-    const auto all = find_sections(results.channels);
     for (const Found& found : results.cases)
         for (const Element& element : model.elements) {
             const auto own = all.find(element.name);
@@ -533,7 +533,8 @@ std::string members_of(const Results& results, const Model& model) {
 }
 
 /// Loads along a beam act at the middles of its segments, of length h: moments err by up to q h²/24.
-void note_line_loads(const Results& results, const Model& model, const ElementCatalogue& catalogue, Warnings& warnings) {
+void note_line_loads(const Results& results, const Model& model, const SectionsOf& all, const ElementCatalogue& catalogue,
+                     Warnings& warnings) {
     constexpr double kShown = 1e-3;  // of the largest moment along the element
     struct {
         double error = 0, share = 0, segments = 0;
@@ -541,7 +542,6 @@ void note_line_loads(const Results& results, const Model& model, const ElementCa
         const Found* found = nullptr;
     } worst;
     size_t count = 0;
-    const auto all = find_sections(results.channels);
     for (const Element& element : model.elements) {
         const auto value = segments_at(*catalogue.types[as_size(element.type)]);
         const auto own = all.find(element.name);
@@ -575,9 +575,8 @@ void note_line_loads(const Results& results, const Model& model, const ElementCa
 }
 
 /// A section that is given by stiffnesses has no outermost fibre.
-void note_no_stress(const Results& results, const Model& model, Warnings& warnings) {
+void note_no_stress(const Model& model, const SectionsOf& all, Warnings& warnings) {
     std::vector<std::string> without;
-    const auto all = find_sections(results.channels);
     for (const Element& element : model.elements)
         if (const auto own = all.find(element.name); own != all.end() && own->second.stride == 6)
             without.push_back(element.name);
@@ -767,11 +766,12 @@ ExitCode find_equilibrium(const Request& request) {
     const Results results = find_all(request, model, plugins, time, warnings);
     hold(model, time);  // as the summary has it
     for (const Found& found : results.cases) warn_of(found, results, warnings);
-    note_no_stress(results, model, warnings);
-    note_line_loads(results, model, plugins.catalogue(), warnings);
+    const SectionsOf sections = find_sections(results.channels);
+    note_no_stress(model, sections, warnings);
+    note_line_loads(results, model, sections, plugins.catalogue(), warnings);
     const ResultsFolder folder(results_path(request, "-static"));
     write_atomically(folder.file("static.csv"), rows_of(results));
-    if (const std::string members = members_of(results, model); !members.empty())
+    if (const std::string members = members_of(results, model, sections); !members.empty())
         write_atomically(folder.file("members.csv"), members);
     warnings.print_rest("; summary.json has all of them");
     write_json(folder.file("summary.json"),

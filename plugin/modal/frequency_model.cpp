@@ -183,7 +183,7 @@ double FrequencyModel::turning_of_springs(const FrameVector& u) const {
 }
 
 double FrequencyModel::turning_stiffness(const Bond& bond) const {
-    return (mask * bond.stiffness * mask).diagonal().tail<3>().maxCoeff();
+    return mask.diagonal().tail<3>().cwiseProduct(bond.stiffness.diagonal().tail<3>()).maxCoeff();
 }
 
 double FrequencyModel::force_at_start(size_t element) const {

@@ -91,6 +91,18 @@ TEST(Report, ChannelsAreThoseOfARun) {
     EXPECT_EQ(run_dttmm(folder.path(), {"report", "pump", "sweep", "--channels", "a"}).code, 0);
 }
 
+TEST(Plot, EquilibriaHaveNoCurves) {
+    const TemporaryFolder folder;
+    write_text(
+        folder / "m.toml",
+        "format = \"dttmm/1\"\n[[body]]\nname = \"b\"\nmass = 2\ninertia = [1, 1, 1]\n[[element]]\nname = \"e\"\ntype "
+        "= \"spring_damper\"\nfrom = \"ground\"\nto = \"b\"\nstiffness = 1e3\nrotational_stiffness = 20\n");
+    ASSERT_EQ(run_dttmm(folder.path(), {"static", "m.toml", "-q", "-o", "rest"}).code, 0);
+    const Ended ended = run_dttmm(folder.path(), {"plot", "rest", "e.force"});
+    EXPECT_EQ(ended.code, 2);
+    EXPECT_THAT(ended.err, HasSubstr("these results have no curves over time, frequency or speed"));
+}
+
 TEST(Plot, DrawsTheChosenCurvesByUnit) {
     const TemporaryFolder folder;
     fs::create_directories(folder / "results/pump");

@@ -126,38 +126,37 @@ TEST(ForeignLaw, HasItsOwnMinimum) {
 TEST(ForeignLaw, ThatBreaksIsNamedWithElementAndTime) {
     const TemporaryFolder folder;
     write_text(folder / "model.toml", kModel);
-    Ended ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out", "--plugin", faulty_law("not_a_number")});
-    EXPECT_EQ(ended.code, 7);
-    EXPECT_THAT(ended.err, AllOf(HasSubstr("t = 0.001 s: element \"pad\""),
-                                 HasSubstr("law \"faulty\": its answer is not finite"), HasSubstr("rows recorded in out")));
-    ended = run_dttmm(folder.path(), {"modes", "model.toml", "-q", "-o", "out2", "--plugin", faulty_law("other_major")});
-    EXPECT_EQ(ended.code, 7);
-    EXPECT_THAT(ended.err, HasSubstr("law \"faulty\": it is of another version"));
+    const auto error_of = [&](const char* command, const std::string& fault) {
+        const Ended ended =
+            run_dttmm(folder.path(), {command, "model.toml", "-q", "-o", fault, "--plugin", faulty_law(fault)});
+        EXPECT_EQ(ended.code, 7) << fault;
+        return ended.err;
+    };
+    const auto pad = HasSubstr("element \"pad\""), at_first = HasSubstr("t = 0.001 s: element \"pad\"");
+    EXPECT_THAT(error_of("run", "not_a_number"), AllOf(at_first, HasSubstr("law \"faulty\": its answer is not finite"),
+                                                       HasSubstr("rows recorded in not_a_number")));
+    EXPECT_THAT(error_of("modes", "other_major"), HasSubstr("law \"faulty\": it is of another version"));
     // Memory of other elements stays what it is; what a law does not write is no memory of an earlier question
-    ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out4", "--plugin", faulty_law("overrun")});
-    EXPECT_EQ(ended.code, 7);
-    EXPECT_THAT(ended.err, AllOf(HasSubstr("element \"pad\""),
-                                 HasSubstr("law \"faulty\": it writes more than the 1 numbers of its memory")));
-    ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out7", "--plugin", faulty_law("force_at_zero")});
-    EXPECT_EQ(ended.code, 7);
-    EXPECT_THAT(ended.err,
-                AllOf(HasSubstr("element \"pad\""), HasSubstr("law \"faulty\": on a path of no length its mean force is")));
-    ended = run_dttmm(folder.path(), {"check", "model.toml"});
+    EXPECT_THAT(error_of("run", "overrun"),
+                AllOf(pad, HasSubstr("law \"faulty\": it writes more than the 1 numbers of its memory")));
+    EXPECT_THAT(error_of("run", "forgets"), HasSubstr("law \"faulty\": its answer is not finite"));
+    EXPECT_THAT(error_of("run", "force_at_zero"),
+                AllOf(pad, HasSubstr("law \"faulty\": on a path of no length its mean force is")));
+    EXPECT_THAT(error_of("run", "rounds_up"),
+                AllOf(at_first, HasSubstr("law \"faulty\": it has changed how the processor computes")));
+#ifndef __SANITIZE_ADDRESS__
+    EXPECT_THAT(error_of("run", "segmentation"),
+                AllOf(HasSubstr("dttmm: law \"faulty\" of "), HasSubstr("element \"pad\", t = 0.001 s"),
+                      HasSubstr("the rows written stay")));
+#endif
+}
+
+TEST(ForeignLaw, IsMissedWithoutItsLibrary) {
+    const TemporaryFolder folder;
+    write_text(folder / "model.toml", kModel);
+    const Ended ended = run_dttmm(folder.path(), {"check", "model.toml"});
     EXPECT_EQ(ended.code, 3);
     EXPECT_THAT(ended.err, HasSubstr("a law of your own is known with --plugin and its library"));
-    ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out6", "--plugin", faulty_law("rounds_up")});
-    EXPECT_EQ(ended.code, 7);
-    EXPECT_THAT(ended.err, AllOf(HasSubstr("t = 0.001 s: element \"pad\""),
-                                 HasSubstr("law \"faulty\": it has changed how the processor computes")));
-    ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out5", "--plugin", faulty_law("forgets")});
-    EXPECT_EQ(ended.code, 7);
-    EXPECT_THAT(ended.err, HasSubstr("law \"faulty\": its answer is not finite"));
-#ifndef __SANITIZE_ADDRESS__
-    ended = run_dttmm(folder.path(), {"run", "model.toml", "-q", "-o", "out3", "--plugin", faulty_law("segmentation")});
-    EXPECT_EQ(ended.code, 7);
-    EXPECT_THAT(ended.err, AllOf(HasSubstr("dttmm: law \"faulty\" of "), HasSubstr("element \"pad\", t = 0.001 s"),
-                                 HasSubstr("the rows written stay")));
-#endif
 }
 
 }  // namespace

@@ -3310,7 +3310,7 @@ TEST(ModesAtRest, WhatSegmentsLeaveOfACriticalLoadIsSaid) {
 // Oracle: q L²/12 at the ends of a clamped beam without shear, and the error of the rule of midpoints for it, q h²/24.
 TEST(Statics, WhatSegmentsLeaveOfALoadAlongABeamIsSaid) {
     constexpr double kLoad = 70 * 9.81, kLength = 3;
-    for (const int segments : {4, 10, 40}) {
+    for (const int segments : {4, 20, 25}) {  // these leave 3 %, 0.125 %, 0.08 %
         const AtRest rest = rest_of(fmt::format(R"(format = "dttmm/1"
 [simulation]
 gravity = [0, 0, -9.81]
@@ -3330,9 +3330,9 @@ section = {{ EA = 1e12, EIy = 4e7, EIz = 3e7, GJ = 2e7, mass = 70 }}
         const double expected = kLoad * kLength * kLength / (24 * segments * segments);
         EXPECT_NEAR(std::abs(rest.row.at("a.reaction_moment.y")) - kLoad * kLength * kLength / 12, expected,
                     1e-3 * expected);
-        EXPECT_EQ(testing::Value(rest.told, HasSubstr("loads along it act at the middles of its")), segments < 40)
+        EXPECT_EQ(testing::Value(rest.told, HasSubstr("loads along it act at the middles of its")), segments < 25)
             << rest.told;
-        if (segments < 40) {
+        if (segments < 25) {
             EXPECT_THAT(rest.told, HasSubstr(fmt::format("err by up to about {:.2g} N*m", expected)));
         }
     }

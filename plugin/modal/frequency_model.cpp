@@ -144,17 +144,9 @@ double FrequencyModel::stiffest_turning() const {
 double FrequencyModel::stiffest_hinge() const {
     double largest = 0, inertia = 0;
     for (const Bond& bond : bonds) largest = std::max(largest, turning_stiffness(bond));
-    if (largest == 0) return 0;
-    const Vector3 about = !masses.empty()  ? origin(masses.front().frame)
-                          : !lines.empty() ? lines.front().start
-                                           : Vector3(Vector3::Zero());
     for (const Mass& mass : masses) {
-        const double lever = (origin(mass.frame) - about).squaredNorm();
+        const double lever = (origin(mass.frame) - origin(masses.front().frame)).squaredNorm();
         inertia += mass.block.bottomRightCorner<3, 3>().trace() / 2 + mass.block.topLeftCorner<3, 3>().trace() / 3 * lever;
-    }
-    for (const LineModel& line : lines) {
-        const double lever = (0.5 * (line.start + line.finish) - about).squaredNorm(), length = line.length();
-        inertia += line.line.section.mass * length * (lever + length * length / 12);
     }
     return inertia > 0 ? largest / inertia : 0;
 }

@@ -168,8 +168,7 @@ struct FrequencyModel {
     /// What forces at rest add to the stiffness of a frame against turning, over its inertia about the joints that it hangs
     /// on: the largest of all frames [1/s²]. 0: none.
     double stiffest_turning() const;
-    /// The largest stiffness of joints against turning over the inertia of all masses and lines about one of them [1/s²]; 0:
-    /// none.
+    /// The largest stiffness of joints against turning over the inertia of all masses about one of them [1/s²]; 0: none.
     double stiffest_hinge() const;
     /// Of a frame: the stiffness of its joints against turning over its inertia, the largest [1/s²]; 0: none.
     double stiffest_rotor() const;

@@ -82,8 +82,14 @@ void InnerLoads::balance_massless(std::span<Vector6> lack) {
     for (size_t m = 0; m < frames.size(); ++m) {
         const size_t i = frames[m];
         const int receiver = inside_.receivers[i];
-        const Vector6 left = lack[i] - residuals_[m].step;
-        lack[i] = residuals_[m].step;
+        Vector6 balance = residuals_[m].step;
+        if (massless.balances_at_end(m)) {  // in the axes at t_n, as the matrix has it: otherwise passes converge slowly
+            const RowMajor3 turn = inside_.now(i).axes().transpose() * FrameView(inside_.trial[inside_.frame_of(i)]).axes();
+            for (int half : {0, 1})
+                if (massless.has_none(m, half)) balance.segment<3>(3 * half) = (turn * balance.segment<3>(3 * half)).eval();
+        }
+        const Vector6 left = lack[i] - balance;
+        lack[i] = balance;
         if (!inside_.is_inner(receiver)) continue;
         lack[inside_.at(receiver)] += in_axes(inside_.mechanism.frame(receiver),
                                               passed_on(inside_.mechanism.frames, i, in_world(inside_.now(i), left)));

@@ -116,14 +116,26 @@ void InnerMotion::find_rigid_forces() {
         inside_.trial_q[i] = q[i] + (q_change[i] + rigid_change_(as_row(i))) / inside_.step_size();
 }
 
+/// A correction turns a frame from where the matrix was formed; ω leads there from where the frame was at t_n.
+Vector6 InnerMotion::motion_of(size_t inner) const {
+    Vector6 more = change_of_inner(inner);
+    if (matrix_.is_own())
+        more.tail<3>() = (rotation_vector_rate(inside_.step_size() * u[inner].tail<3>()) * more.tail<3>()).eval();
+    return u[inner] + more;
+}
+
 void InnerMotion::find_motion(std::span<Vector6> motion) const {
+    if (matrix_.is_own()) {
+        for (size_t i = 0; i < motion.size(); ++i) motion[i] = motion_of(i);
+        return;
+    }
     const auto moved = as_size(port_change_.isZero(0) ? 0 : port_change_.size());
     add_changes(u, change, matrix_.responses(), {port_change_.data(), moved}, motion);
 }
 
 /// What leads a frame from where the forces were worked out to the end of the step, over h, in its axes.
 Vector6 InnerMotion::change_of(int frame) const {
-    if (inside_.is_inner(frame)) return change[inside_.at(frame)] + matrix_.response(inside_.at(frame)) * port_change_;
+    if (inside_.is_inner(frame)) return change_of_inner(inside_.at(frame));
     if (frame < inside_.ports) return port_change_.segment<6>(6 * frame);
     return Vector6::Zero();
 }

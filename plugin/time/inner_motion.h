@@ -42,7 +42,7 @@ public:
     void find_rigid_forces();
     /// Of all inner frames, of one.
     void find_motion(std::span<Vector6> motion) const;
-    Vector6 motion_of(size_t inner) const { return u[inner] + change[inner] + matrix_.response(inner) * port_change_; }
+    Vector6 motion_of(size_t inner) const;
     /// The force over the step of Inside::near_joints[near]; after find_rigid_forces(). It goes on linearly from where it
     /// was worked out. The ports need a smooth answer, not the rounding of positions times the stiffness.
     JointForce near_force(size_t near) const;
@@ -61,6 +61,7 @@ public:
     double size = 0;               ///< of the network and its way from the world's origin, at t_n [m]
 
 private:
+    Vector6 change_of_inner(size_t inner) const { return change[inner] + matrix_.response(inner) * port_change_; }
     Vector6 change_of(int frame) const;
     Vector3 mean_velocity() const;
     void take_measures();

@@ -155,24 +155,31 @@ void Interior::iterate(Ports ports, dttmm_progress& progress) {
     motion_.set_begun();
 }
 
-/// The forces of the motion, and the correction to which they lead.
+/// The forces of the motion, and the correction to which they lead. Where that falls slowly, or grows, the matrix is formed
+/// where the motion is tried, and the correction is found anew: the first one would lead away.
 void Interior::pass(dttmm_progress& progress) {
     motion_.move_to_trial();
-    forces_.find(motion_, loads_);
-    find_lack();
+    double residual = find_correction(progress.previous);
     if (motion_.rate > kTooSlow) {
         inside_.record.is_slow = 1;
         matrix_.form_at_trial();
+        residual = find_correction(progress.previous);
     }
+    report(residual, progress);
+}
+
+/// Returns the size of what the equations lack.
+double Interior::find_correction(double previous) {
+    forces_.find(motion_, loads_);
+    find_lack();
     const double residual = largest_size(motion_.change, inside_.spin_weight);
     matrix_.solve(motion_.change, motion_.q_change, motion_.laws);
     motion_.correction = largest_size(motion_.change, inside_.turn_weight);
     if (!std::isfinite(motion_.correction + motion_.floor))
         throw Error(DTTMM_ERROR_NUMERIC, "the motion inside the network was not found; try a smaller step",
                     inside_.fastest_element(motion_.u));
-    const bool has_rate = progress.previous > 0 && motion_.correction > motion_.floor;
-    motion_.rate = has_rate ? motion_.correction / progress.previous : 0;
-    report(residual, progress);
+    motion_.rate = previous > 0 && motion_.correction > motion_.floor ? motion_.correction / previous : 0;
+    return residual;
 }
 
 /// What the equations lack where the motion is, into `change` (in the frames' axes) and `q_change`.

@@ -101,6 +101,7 @@ private:
     void begin(InnerStart start, Ports ports, const double* accelerations, const double* loads);
     void balance_at_start(const InnerStart& start, Ports ports, const double* accelerations);
     void pass(dttmm_progress& progress);
+    double find_correction(double previous);
     void find_lack();
     void report(double residual, dttmm_progress& progress) const;
     void refuse_unstarted() const;

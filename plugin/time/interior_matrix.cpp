@@ -39,15 +39,17 @@ InteriorMatrix::Blocks InteriorMatrix::blocks(size_t j, const std::vector<Frame>
     const auto [from, to] = ends(joint, at);
     const JointPose pose = joint.pose(from, to);
     const Vector3 acting = mechanism.pose(j).axes.transpose() * mechanism.states[j].elastic.force;
-    return blocks(j, {from, to}, pose, joint.deformation(pose, from, to), pose.axes * acting, inside_.rigid);
+    return blocks(j, {from, to}, pose, joint.deformation(pose, from, to),
+                  mechanism.scheme.elastic_weight(0) * (pose.axes * acting), inside_.rigid);
 }
 
-/// The same with the joint elsewhere, deformed, under the elastic force `acting`, its rigid directions carrying q.
+/// The same with the joint elsewhere, deformed, its rigid directions carrying q. acting: what the force over the step has
+/// of the axes there, but for theirs.
 InteriorMatrix::Blocks InteriorMatrix::blocks(size_t j, Ends at, const JointPose& pose, const Vector6& deformation,
                                               Vector3 acting, const std::vector<double>& q) const {
     const Mechanism& mechanism = inside_.mechanism;
     const Joint& joint = mechanism.joints[j];
-    if (joint.rigid().any()) acting += pose.axes * head(inside_.rigid_values(j, q));
+    if (joint.rigid().any()) acting += mechanism.scheme.elastic_weight(0) * (pose.axes * head(inside_.rigid_values(j, q)));
     const double h = inside_.step_size();
     const Matrix3 R[2] = {mechanism.frame(joint.from()).axes(), mechanism.frame(joint.to()).axes()};
     const auto in_frames = [&](EndBlocks K) {
@@ -62,7 +64,7 @@ InteriorMatrix::Blocks InteriorMatrix::blocks(size_t j, Ends at, const JointPose
     };
     return {in_frames(joint.stiffness(
                 pose, joint.gain(mechanism.scheme, mechanism.states[j].deformation(), deformation, mechanism.memory(j)))),
-            in_frames(joint.acting_stiffness(pose, at.from, at.to, mechanism.scheme.elastic_weight(0) * acting))};
+            in_frames(joint.acting_stiffness(pose, at.from, at.to, acting))};
 }
 
 /// It has the masses only.
@@ -114,7 +116,10 @@ void InteriorMatrix::form_at_trial() {
         const Ends at = ends(joint, inside_.trial);
         const JointPose pose = joint.pose(at);
         const Joint::Strained strained = joint.strain(mechanism.scheme, at, pose, mechanism.states[j], mechanism.memory(j));
-        add_joint(j, blocks(j, at, pose, strained.deformation(), strained.elastic.force, inside_.trial_q));
+        const JointState& state = mechanism.states[j];
+        const JointForce force =
+            joint.weigh(mechanism.scheme, strained, pose, state, mechanism.damper(j), mechanism.memory(j));
+        add_joint(j, blocks(j, at, pose, strained.deformation(), force.force - state.known.force, inside_.trial_q));
         if (joint.rigid().any()) set_rigid_rows(mechanism, j, pose, strained.theta, elimination_);
     }
     find_stiffest();

@@ -43,6 +43,8 @@ public:
     /// After a step: finds out whether it serves for the next.
     void take_step();
     bool is_stale() const { return is_stale_; }
+    /// Whether it was formed within the open step.
+    bool is_own() const { return is_own_; }
     /// How often it was formed for the open step, or within it.
     int formed() const { return formed_; }
     /// What it has most of against the shift of a frame [kg].

@@ -29,6 +29,8 @@ public:
     /// Whether the forces of a joint are wanted at the end of the step; those of its damper half way.
     bool is_settling(size_t joint) const { return settling_[joint]; }
     bool is_half_way(size_t joint) const { return half_way_[joint]; }
+    /// Whether a frame, and those that rigid directions join to it, balance at the end of the step altogether.
+    bool balances_at_end(size_t i) const { return parts_[as_size(part_of_[i])].rank == 0; }
     /// τ [s]
     double relaxation(size_t i) const { return parts_[as_size(part_of_[i])].group.relaxation; }
 

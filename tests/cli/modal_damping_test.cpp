@@ -5,13 +5,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <complex>
 #include <numbers>
 #include <vector>
 
 #include "cli/modes_run.h"
 #include "cli/results_table.h"
+#include "support/linear_algebra.h"
 
 namespace dttmm::host {
 namespace {
@@ -57,9 +58,9 @@ struct Matrices {
             K += kStiffness[i] * pull * pull.transpose();
             if (i == 2) C += kDamping * pull * pull.transpose();
         }
-        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix4d> solver(K, M);
-        omega = solver.eigenvalues().cwiseSqrt();
-        shapes = solver.eigenvectors();  // of modal mass 1
+        const test::Pencil pencil = test::solve_pencil(K, M);
+        omega = pencil.values.cwiseSqrt();
+        shapes = pencil.vectors;  // of modal mass 1
     }
     /// C = Σ M φ 2 ζ ω φᵀ M
     void damp(const std::vector<double>& ratios) {
@@ -275,9 +276,9 @@ TEST(ModalDamping, MovingSupportsAreFollowed) {
           {"[damping]\nmodal = [0.2, 0.05]\n", {0.2, 0.05}}}) {
         Matrices exact;
         exact.K(3, 3) += 2600;
-        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix4d> solver(exact.K, exact.M);
-        exact.omega = solver.eigenvalues().cwiseSqrt();
-        exact.shapes = solver.eigenvectors();
+        const test::Pencil pencil = test::solve_pencil(exact.K, exact.M);
+        exact.omega = pencil.values.cwiseSqrt();
+        exact.shapes = pencil.vectors;
         const Eigen::Matrix4d of_elements = exact.C;
         exact.damp(ratios);
         const Eigen::Matrix4d of_modes = exact.C - of_elements;

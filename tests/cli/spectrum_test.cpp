@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <complex>
 #include <functional>
@@ -15,6 +14,7 @@
 
 #include "cli/modes_run.h"
 #include "support/csv_line.h"
+#include "support/linear_algebra.h"
 
 namespace dttmm::host {
 namespace {
@@ -122,8 +122,7 @@ struct Chain {
             companion.row(n + i).tail(n) = -C.row(i) / masses[static_cast<size_t>(i)];
         }
         std::vector<Complex> found;
-        const Eigen::EigenSolver<Eigen::MatrixXd> solver(companion);
-        for (const Complex s : solver.eigenvalues())
+        for (const Complex s : test::eigenvalues(companion))
             if (s.imag() > 0) found.push_back(s);
         std::ranges::sort(found, {}, [](Complex s) { return s.imag(); });
         return found;

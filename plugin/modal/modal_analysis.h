@@ -51,8 +51,8 @@ public:
                         const dttmm_harmonic_result& result);
 
     /// See dttmm_modal.h.
-    int count_growing(int slack) { return ModeFinder(stiffness_).count_growing(slack); }
-    int count_free() { return ModeFinder(stiffness_).count_free(); }
+    int count_growing(int slack) { return counter_.count_growing(slack); }
+    int count_free() { return counter_.count_free(); }
     double bent_at_rest(size_t element, bool& is_lumped) const;
     double force_at_start(size_t element) const { return model_.force_at_start(element); }
 
@@ -73,6 +73,7 @@ private:
 
     FrequencyModel model_;
     DynamicStiffness stiffness_;
+    ModeFinder counter_{stiffness_};  ///< kept: what it finds out about slow motions serves both counts
     HarmonicSolver harmonic_;
     double mass_rate_ = 0;
     DampingRatios ratios_;                 ///< of modes, below: as asked for

@@ -64,7 +64,8 @@ double SlowMotions::quiet() {
 void SlowMotions::find_rounding() {
     const FrequencyModel& model = stiffness_.model();
     const double base = std::sqrt(rounding());
-    if (base == 0 || kTurningRounding * model.stiffest_rotor() <= base * base) return;
+    const double most = kTurningRounding * model.stiffest_rotor();
+    if (base == 0 || most <= base * base || count(std::sqrt(kHidden * most)) == 0) return;  // nothing so slow has it
     const double shift = -kFixed * base * base;
     const auto below = as_size(std::max(count(kNoise * base), 0));
     for (const size_t more : {kGuards, size_t{0}}) {

@@ -557,7 +557,7 @@ void note_line_loads(const Results& results, const Model& model, const SectionsO
             for (size_t k = 0; k < sections; ++k) largest = std::max(largest, std::hypot(at(k, 4), at(k, 5)));
             const double load = std::hypot(at(sections - 1, 1) - at(0, 1), at(sections - 1, 2) - at(0, 2)),
                          error = load * length / (24 * segments * segments);
-            if (error <= kShown * largest) continue;
+            if (error <= kShown * largest || load <= found.rest.residual) continue;
             is_shown = true;
             if (error > worst.error) worst = {error, error / largest, segments, &element, &found};
         }

@@ -104,6 +104,13 @@ bool SingularPosition::is_suspected(const JointSystem& joints, const BlockMatrix
     const double hidden = hidden_distance();
     distances_.resize(as_size(matrix.size()));
     bool is_suspected = before_.is_near;
+    // Which equation shows it depends on axes and order, and it may be that none does; the determinant always does
+    double product = 0;
+    for (size_t i = 0; i < distances_.size(); ++i) product += 0.5 * std::log(std::abs(factor.pivot(as_int(i))));
+    if (!product_) product_ = {product, product};
+    is_suspected = is_suspected || std::abs(product - product_->last) > std::log1p(kSlowOnJoints) ||
+                   product < product_->largest + std::log(hidden);
+    product_ = {product, std::max(product, product_->largest)};
     for (size_t j = 0; j < joints.joints().size(); ++j)
         for (int row = 0; row < joints.joints()[j].lasting(); ++row) {
             const int i = matrix.joint_index(as_int(j)) + row;
@@ -125,6 +132,7 @@ void SingularPosition::find(const JointSystem& joints, const std::vector<BodySta
     if (found_.is_clear)
         for (Distance& known : distances_)
             if (known.last == 0) known.largest = 0;
+    if (found_.is_clear) product_->largest = product_->last;
     // ODE's joints are not ours where they stand open: the step that closes them does without
     if (before_.lets_go() && found_.let_go.empty()) found_.let_go.assign(joints.joints().size(), 0);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/QR>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -79,6 +80,7 @@ private:
         double last = 0, largest = 0;
     };
     std::vector<Distance> distances_;  ///< at the matrix's indices
+    std::optional<Distance> product_;  ///< logarithm of that of all distances, as the root of the determinant has it
     double longest_arm_ = 0;           ///< of all joints [m]
     // Of find():
     Eigen::MatrixXd half_, end_;

@@ -21,22 +21,35 @@ struct StepCoefficients {
 
 /// What an elastic line makes of the motion d of its `to` end, in the axes of its `from` end, and of the rotation θ between
 /// them. Its strains are
-///     s = d − half θ × d + e_x (sway_y d_y² + sway_z d_z² − bow (θ_y² + θ_z²))
+///     s = d − half θ × d + e_x (sway_y d_y² + sway_z d_z² − bow (θ_y² + θ_z²) + half/2 θ_x (θ_y d_y + θ_z d_z))
 /// to second order: the motion in the axes half way between its ends, and how far a line that bends and shears draws its
-/// ends nearer. All are zero where there is no line.
+/// ends nearer. The last term is of third order: a pull acts along the mean t of the x axes of both ends, which twist leaves
+/// where it is. In terms of θ, t_y = (θ_z + θ_x θ_y/2)/2 and t_z = (θ_x θ_z/2 − θ_y)/2. Without it a pull on a bent line
+/// that twists presses sideways, and slender hanging lines of long segments lose their stiffness against torsion. All are
+/// zero where there is no line.
 template <class Real>
 struct LineStrainsOf {
     Real half{}, bow{}, sway_y{}, sway_z{};  ///< [1, m, 1/m, 1/m]
     bool operator==(const LineStrainsOf&) const = default;
 };
 using LineStrains = LineStrainsOf<double>;
-/// The second derivative of f·s by [d; θ], which is constant.
-inline Matrix6 curvature_of(const LineStrains& line, const Vector3& f) {
+/// The second derivative of f·s by x = [d; θ].
+inline Matrix6 curvature_of(const LineStrains& line, const Vector3& f, const Vector6& x) {
     Matrix6 C = Matrix6::Zero();
     C.diagonal() << 0, 2 * line.sway_y, 2 * line.sway_z, 0, -2 * line.bow, -2 * line.bow;
     C *= f.x();
     C.bottomLeftCorner<3, 3>() = line.half * skew(f);
     C.topRightCorner<3, 3>() = -C.bottomLeftCorner<3, 3>();
+    const double twisted = 0.5 * line.half * f.x();
+    const auto add = [&](int i, int j, double number) {
+        C(i, j) += twisted * number;
+        C(j, i) += twisted * number;
+    };
+    for (int across : {1, 2}) {
+        add(3, 3 + across, x(across));
+        add(3, across, x(3 + across));
+        add(3 + across, across, x(3));
+    }
     return C;
 }
 

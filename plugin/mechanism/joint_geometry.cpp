@@ -112,10 +112,13 @@ Vector6 JointGeometry::acceleration(FrameView from, const Twist& from_velocity, 
         return acceleration;
     }
     acceleration << R.transpose() * a, R.transpose() * alpha;
-    if (is_line()) {  // what is of second degree has as its second rate twice its value for the rates
+    if (is_line()) {  // the second difference is the second derivative of what is of third degree at most
         const Vector3 slide = R.transpose() * (p_rate - w.cross(p)), turn = R.transpose() * (w_to - w);
-        acceleration.head<3>() = (strain_columns(deformation(pose(from, to), from, to)) * acceleration).eval() +
-                                 2 * (kind_->springs.strains(slide, turn) - slide);
+        const Vector6 x = deformation(pose(from, to), from, to);
+        const Vector3 d = x.head<3>(), theta = x.tail<3>();
+        const auto& springs = kind_->springs;
+        acceleration.head<3>() = (strain_columns(x) * acceleration).eval() + springs.strains(d + slide, theta + turn) +
+                                 springs.strains(d - slide, theta - turn) - 2 * springs.strains(d, theta);
     }
     return acceleration;
 }
@@ -174,8 +177,11 @@ Matrix36 JointGeometry::strain_columns(const Vector6& x) const {
     const Vector3 d = x.head<3>(), theta = x.tail<3>();
     Matrix3 by_theta = line.half * skew(d);
     by_theta.row(0) -= 2 * line.bow * RowVector3(0, theta.y(), theta.z());
+    const double twisted = 0.5 * line.half;
+    by_theta.row(0) += twisted * RowVector3(theta.y() * d.y() + theta.z() * d.z(), theta.x() * d.y(), theta.x() * d.z());
     columns.leftCols<3>() -= line.half * skew(theta);
-    columns.row(0).head<3>() += 2 * RowVector3(0, line.sway_y * d.y(), line.sway_z * d.z());
+    columns.row(0).head<3>() += 2 * RowVector3(0, line.sway_y * d.y(), line.sway_z * d.z()) +
+                                twisted * theta.x() * RowVector3(0, theta.y(), theta.z());
     columns.rightCols<3>() = by_theta * rotation_vector_rate(theta);
     return columns;
 }
@@ -241,7 +247,8 @@ EndBlocks JointGeometry::acting_stiffness(const JointPose& pose, FrameView from,
     K.at[1][1].bottomRightCorner<3, 3>() = 0.5 * (lF + lF.transpose());
     if (!is_line()) return K;
     // The strains of a line are of second degree
-    const EndBlocks stretched = stiffness(pose, curvature_of(kind_->springs.line, pose.axes.transpose() * force));
+    const EndBlocks stretched =
+        stiffness(pose, curvature_of(kind_->springs.line, pose.axes.transpose() * force, deformation(pose, from, to)));
     for (int i : {0, 1})
         for (int j : {0, 1}) K.at[i][j] += stretched.at[i][j];
     return K;

@@ -129,7 +129,8 @@ template <class Real>
     if (!is_line) return d;
     Vector3Of<Real> s = d - line.half * cross<Real>(theta, d);
     s.x() += line.sway_y * d.y() * d.y() + line.sway_z * d.z() * d.z() -
-             line.bow * (theta.y() * theta.y() + theta.z() * theta.z());
+             line.bow * (theta.y() * theta.y() + theta.z() * theta.z()) +
+             Real(0.5) * line.half * theta.x() * (theta.y() * d.y() + theta.z() * d.z());
     return s;
 }
 
@@ -145,6 +146,10 @@ template <class Real>
     force.z() += twice * line.sway_z * d.z();
     by_theta.y() -= twice * line.bow * theta.y();
     by_theta.z() -= twice * line.bow * theta.z();
+    const Real twisted = Real(0.5) * half_f.x();
+    force.y() += twisted * theta.x() * theta.y();
+    force.z() += twisted * theta.x() * theta.z();
+    by_theta += twisted * Vector3Of<Real>(theta.y() * d.y() + theta.z() * d.z(), theta.x() * d.y(), theta.x() * d.z());
 }
 
 template <class Real>

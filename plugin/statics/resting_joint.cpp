@@ -67,8 +67,7 @@ JointForce carried_force(const PlacedJoint& placed, const Vector6& force, const 
     return all;
 }
 
-/// Forces f along the strains of a line have the gradient f + C x, C the curvature of f·s. Of a gradient g by θ the moment
-/// is J⁻ᵀ g.
+/// Of forces f along the strains of a line, by [d; θ]: the curvature of f·s. Of a gradient g by θ the moment is J⁻ᵀ g.
 Matrix6 spread_tangent(const PlacedJoint& placed, const Vector6& force, const Vector6& rigid) {
     const Joint& joint = placed.joint;
     Matrix6 tangent = Matrix6::Zero();
@@ -77,8 +76,10 @@ Matrix6 spread_tangent(const PlacedJoint& placed, const Vector6& force, const Ve
     Vector6 gradient = force;
     if (!joint.is_hinge()) gradient += rigid;
     if (joint.is_line()) {
-        tangent = curvature_of(joint.springs().line, force.head<3>());
-        gradient += tangent * placed.x;
+        tangent = curvature_of(joint.springs().line, force.head<3>(), placed.x);
+        Vector3 f = force.head<3>(), by_theta = Vector3::Zero();
+        joint.springs().spread(placed.x.head<3>(), theta, f, by_theta);
+        gradient.tail<3>() += by_theta;
     }
     const Matrix3 inverse_J = rotation_vector_rate(theta);
     tangent.bottomRows<3>() = (inverse_J.transpose() * tangent.bottomRows<3>()).eval();

@@ -306,7 +306,7 @@ TEST(Networks, FaultsOnTheWayTellTheTime) {
     EXPECT_EQ(turned.code, 4) << turned.err;
     EXPECT_THAT(turned.err, HasSubstr("t = 0.026 s: element \"hinge\" (plugin built in): "));
     EXPECT_THAT(turned.err, HasSubstr("have turned 2.6"));
-    const Ended lost = run_frame(folder, "run", wheel_with("angular_velocity = [0, 1200, 0]") + R"(
+    const Ended lost = run_frame(folder, "run", wheel_with("angular_velocity = [0, 2400, 0]") + R"(
 [nodes.tip]
 position = [0.5, 0.1, 0]
 

@@ -136,6 +136,32 @@ double misfit(const Case& c, const EndBlocks& K, const auto& wrenches_at) {
     return largest;
 }
 
+// Oracle: differences of the energy that a joint stores, of which its forces are the slope.
+class Slopes : public testing::TestWithParam<Kind> {};
+
+TEST_P(Slopes, OfTheEnergyAreTheForces) {
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+        const Case c = make_case(GetParam(), seed, 0.5);
+        const auto energy = [&](Ends ends) {
+            const PlacedJoint placed(*c.joint, ends);
+            return c.joint->strain_energy(placed.x.head<3>(), placed.x.tail<3>(), nullptr);
+        };
+        const PlacedJoint placed(*c.joint, Ends{c.from, c.to});
+        const Wrenches forces = wrenches(placed, resting_force(*c.joint, placed.x).force, Vector6::Zero());
+        for (int end : {0, 1})
+            for (int d = 0; d < 6; ++d) {
+                const auto at = [&](double sign) {
+                    const Vector6 step = sign * kStep * Vector6::Unit(d);
+                    const Frame other = moved(end == 0 ? c.from : c.to, step.head<3>(), step.tail<3>());
+                    return energy(end == 0 ? Ends{other, c.to} : Ends{c.from, other});
+                };
+                const double most = 1e-5 + 1e-9 * forces.cwiseAbs().maxCoeff();
+                EXPECT_NEAR(forces(6 * end + d), (at(-1) - at(1)) / (2 * kStep), most) << seed << ' ' << end << ' ' << d;
+            }
+    }
+}
+INSTANTIATE_TEST_SUITE_P(All, Slopes, testing::Values(Kind::spring, Kind::ball, Kind::line, Kind::axial));
+
 class HeldForces : public testing::TestWithParam<Kind> {};
 
 // Oracle: central differences of the wrenches that the forces are, by the poses of both frames. Turned by up to 2 rad.

@@ -306,7 +306,7 @@ TEST(Networks, FaultsOnTheWayTellTheTime) {
     EXPECT_EQ(turned.code, 4) << turned.err;
     EXPECT_THAT(turned.err, HasSubstr("t = 0.026 s: element \"hinge\" (plugin built in): "));
     EXPECT_THAT(turned.err, HasSubstr("have turned 2.6"));
-    const Ended lost = run_frame(folder, "run", wheel_with("angular_velocity = [0, 2400, 0]") + R"(
+    const Ended lost = run_frame(folder, "run", wheel_with("angular_velocity = [0, 1200, 0]") + R"(
 [nodes.tip]
 position = [0.5, 0.1, 0]
 
@@ -320,9 +320,9 @@ section = { tube = ["40 mm", "30 mm"] }
 material = { E = "210 GPa", poisson = 0.3, density = "7850 kg/m^3" }
 )");
     EXPECT_EQ(lost.code, 4) << lost.err;
-    // In 50 passes, or beyond all numbers before: rounding decides
-    EXPECT_THAT(lost.err, HasSubstr("t = 0 s: element \"spoke\" (plugin built in): the motion inside "));
-    EXPECT_THAT(lost.err, HasSubstr("was not found"));
+    // Not found, or flown apart: rounding decides
+    EXPECT_THAT(lost.err, testing::ContainsRegex(
+                              "t = 0[.0-9]* s: element \"(spoke|hinge)\" .plugin built in.: .*; try a smaller step"));
 }
 
 // Oracle: closed form, twice a force that comes at once. A rod has no inertia about its own axis:

@@ -3338,6 +3338,60 @@ section = {{ EA = 1e12, EIy = 4e7, EIz = 3e7, GJ = 2e7, mass = 70 }}
             EXPECT_THAT(rest.told, HasSubstr(fmt::format("err by up to about {:.2g} N*m", expected)));
         }
     }
+    // Rounding of what nothing loads across is no moment
+    for (const char* along : {"0", "-0.8112, -2.4336, -1.2168"})
+        EXPECT_THAT(rest_of(fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [{}]
+[nodes]
+a = {{ position = [0.1, -0.2, 0.4], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+b = [0.3, 0.4, 0.7]
+[[element]]
+name = "bar"
+type = "beam"
+from = "a"
+to = "b"
+section = {{ circle = 0.02 }}
+material = {{ E = 2e11, poisson = 0.3, density = 7800 }}
+)",
+                                        std::string(along) == "0" ? "0, 0, 0" : along))
+                        .told,
+                    testing::Not(HasSubstr("loads along it act")))
+            << along;
+}
+
+// Oracle: a chain of discs on the torsion springs of its segments, clamped against turning half a segment beyond its ends,
+// f = √(GJ/J)/(π l) sin(n π/2N): a rope that hangs between its ends twists as if it were straight, for it bends alike in all
+// directions. Its segments are far longer than the way over which it bends, √(EI/N) = 0.1 m. What is left falls with the
+// fourth power of their length: the share of the springs' energy N l/12 (κ l)² in their GJ/l.
+TEST(Statics, AHangingRopeOfLongSegmentsResistsTorsion) {
+    constexpr double kLength = 20, kGJ = 0.3, kInertia = 5e-6;
+    for (const auto& [segments, tolerance] : {std::pair(10, 5e-2), {20, 3.5e-3}}) {
+        const std::string text = fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx"] }}
+b = {{ position = [20, 0, 0], fixed = ["x", "y", "z", "rx"], motion = {{ x = -0.5 }} }}
+[[element]]
+name = "rope"
+type = "beam"
+from = "a"
+to = "b"
+segments = {}
+section = {{ EA = 6e6, EIy = 1, EIz = 1, GJ = 0.3, GAy = 1e5, GAz = 1e5, mass = 0.41, inertia = 5e-6 }}
+[modes]
+below = "6.3 Hz"
+)",
+                                             segments);
+        EXPECT_EQ(rest_of(text).summary["growing_motions"], 0) << segments;
+        const double l = kLength / segments,
+                     exact = std::sqrt(kGJ / kInertia) / (M_PI * l) * std::sin(M_PI / (2 * segments));
+        double nearest = 0;
+        for (const double f : frequencies_of(modes_of(text)))
+            if (std::abs(f - exact) < std::abs(nearest - exact)) nearest = f;
+        EXPECT_NEAR(nearest, exact, tolerance * exact) << segments;
+    }
 }
 
 // Oracle: Euler's load, pressed, and nothing, pulled. A section is pressed by EA and pulled by the smaller of EA and GA at

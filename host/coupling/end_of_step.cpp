@@ -140,7 +140,7 @@ void EndOfStep::evaluate(const std::vector<BodyState>& now, Networks& networks) 
 
 /// Takes the matrix half way near a singular position, and lets go equations of joints that do not decide about the step.
 void EndOfStep::see_singular_position(const std::vector<BodyState>& now, Networks& networks) {
-    if (!singular_.is_suspected(equations_.joint_system(), equations_.matrix(), equations_.factor())) return;
+    if (!singular_.is_suspected(equations_.matrix(), equations_.factor())) return;
     equations_.move(now, 0.5 * equations_.h(), half_);
     singular_.find(equations_.joint_system(), now, half_, trial_);
     convergence_.divide_rounding(singular_.least());

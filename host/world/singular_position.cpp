@@ -100,38 +100,22 @@ void SingularPosition::write_columns(const std::vector<JointEquations>& joints, 
     }
 }
 
-bool SingularPosition::is_suspected(const JointSystem& joints, const BlockMatrix& matrix, const BlockFactor& factor) {
-    const double hidden = hidden_distance();
-    distances_.resize(as_size(matrix.size()));
-    bool is_suspected = before_.is_near;
-    // Which equation shows it depends on axes and order, and it may be that none does; the determinant always does
+bool SingularPosition::is_suspected(const BlockMatrix& matrix, const BlockFactor& factor) {
+    // The root of the determinant has the product of all distances. Which equation shows that one vanishes depends on axes
+    // and order, and it may be that none does.
     double product = 0;
-    for (size_t i = 0; i < distances_.size(); ++i) product += 0.5 * std::log(std::abs(factor.pivot(as_int(i))));
-    if (!product_) product_ = {product, product};
-    is_suspected = is_suspected || std::abs(product - product_->last) > std::log1p(kSlowOnJoints) ||
-                   product < product_->largest + std::log(hidden);
-    product_ = {product, std::max(product, product_->largest)};
-    for (size_t j = 0; j < joints.joints().size(); ++j)
-        for (int row = 0; row < joints.joints()[j].lasting(); ++row) {
-            const int i = matrix.joint_index(as_int(j)) + row;
-            const double share = factor.pivot(i) / matrix.upper().diagonal()(i);
-            double distance = std::sqrt(joints.proximal() * std::max(0.0, share));
-            if (distance < hidden) distance = 0;
-            Distance& known = distances_[as_size(i)];
-            is_suspected = is_suspected || std::abs(distance - known.last) > kSlowOnJoints * distance ||
-                           (distance == 0 && known.largest > 0);
-            known = {distance, std::max(distance, known.largest)};
-        }
-    return is_suspected;
+    for (int i = 0; i < as_int(as_size(matrix.size())); ++i) product += 0.5 * std::log(std::abs(factor.pivot(i)));
+    const bool is_first = !product_;
+    const Distance before = product_.value_or(Distance{product, product});
+    product_ = {product, std::max(product, before.largest)};
+    return is_first || before_.is_near || std::abs(product - before.last) > std::log1p(kSlowOnJoints) ||
+           product < before.largest + std::log(hidden_distance());
 }
 
 void SingularPosition::find(const JointSystem& joints, const std::vector<BodyState>& now, const std::vector<BodyState>& half,
                             const std::vector<BodyState>& end) {
     decide(joints.joints(), now, half, end);
-    // A hidden equation is redundant here. It becomes suspect again after its distance has shown itself and vanished.
-    if (found_.is_clear)
-        for (Distance& known : distances_)
-            if (known.last == 0) known.largest = 0;
+    // What is hidden is redundant here
     if (found_.is_clear) product_->largest = product_->last;
     // ODE's joints are not ours where they stand open: the step that closes them does without
     if (before_.lets_go() && found_.let_go.empty()) found_.let_go.assign(joints.joints().size(), 0);

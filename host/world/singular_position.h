@@ -33,9 +33,9 @@ public:
     /// Opens a solution of a step: all equations hold, the matrix is that at t_n.
     void open();
     /// Whether find() is worth its time, as it takes decompositions of all equations: the step before was near a singular
-    /// position, or an equation's distance from the span of those before, which the factor of the matrix has, changes fast
-    /// from step to step, or has vanished without being redundant. Stores the distances.
-    bool is_suspected(const JointSystem& joints, const BlockMatrix& matrix, const BlockFactor& factor);
+    /// position, or the product of the equations' distances from the span of those before, which the factor of the matrix
+    /// has, changes fast from step to step, or has become small. Stores it.
+    bool is_suspected(const BlockMatrix& matrix, const BlockFactor& factor);
     /// Decides about the step whose bodies stand at `now`, half way and at its end. Beyond 1000 equations nothing is near.
     void find(const JointSystem& joints, const std::vector<BodyState>& now, const std::vector<BodyState>& half,
               const std::vector<BodyState>& end);
@@ -75,13 +75,12 @@ private:
 
     Found found_, before_;  ///< of the open step, and of its solution before
     Passed passed_;
-    /// Of an equation from the span of those before, 0 where E hides it, over its own length.
+    /// Logarithm of the product of the distances of all equations from the span of those before.
     struct Distance {
-        double last = 0, largest = 0;
+        double last, largest;
     };
-    std::vector<Distance> distances_;  ///< at the matrix's indices
-    std::optional<Distance> product_;  ///< logarithm of that of all distances, as the root of the determinant has it
-    double longest_arm_ = 0;           ///< of all joints [m]
+    std::optional<Distance> product_;
+    double longest_arm_ = 0;  ///< of all joints [m]
     // Of find():
     Eigen::MatrixXd half_, end_;
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> pivoted_;

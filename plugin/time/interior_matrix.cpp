@@ -36,35 +36,64 @@ void InteriorMatrix::make_room_for_steps() { responses_.assign(36 * as_size(insi
 InteriorMatrix::Blocks InteriorMatrix::blocks(size_t j, const std::vector<Frame>& at) const {
     const Mechanism& mechanism = inside_.mechanism;
     const Joint& joint = mechanism.joints[j];
-    const auto [from, to] = ends(joint, at);
-    const JointPose pose = joint.pose(from, to);
-    const Vector3 acting = mechanism.pose(j).axes.transpose() * mechanism.states[j].elastic.force;
-    return blocks(j, {from, to}, pose, joint.deformation(pose, from, to),
-                  mechanism.scheme.elastic_weight(0) * (pose.axes * acting), inside_.rigid);
+    const JointState& state = mechanism.states[j];
+    const double weight = mechanism.scheme.elastic_weight(0);
+    const Vector6 x = state.deformation(), springs = weight * joint.springs().along(x);
+    const Vector3 laws =
+        weight * (mechanism.pose(j).axes.transpose() * state.elastic.force) - joint.spread(x, springs).head<3>();
+    const PlacedJoint placed(joint, ends(joint, at));
+    return {in_frames(j, joint.stiffness(placed.pose, gain(j, placed.x))),
+            turning(j, placed, springs, placed.pose.axes * laws, inside_.rigid)};
 }
 
-/// The same with the joint elsewhere, deformed, its rigid directions carrying q. acting: what the force over the step has
-/// of the axes there, but for theirs.
-InteriorMatrix::Blocks InteriorMatrix::blocks(size_t j, Ends at, const JointPose& pose, const Vector6& deformation,
-                                              Vector3 acting, const std::vector<double>& q) const {
+/// The same at the trial, under the forces there.
+InteriorMatrix::Blocks InteriorMatrix::blocks_at_trial(size_t j) const {
     const Mechanism& mechanism = inside_.mechanism;
     const Joint& joint = mechanism.joints[j];
-    if (joint.rigid().any()) acting += mechanism.scheme.elastic_weight(0) * (pose.axes * head(inside_.rigid_values(j, q)));
+    const JointState& state = mechanism.states[j];
+    const PlacedJoint placed(joint, ends(joint, inside_.trial));
+    const Vector6 springs = mechanism.scheme.elastic_weight(0) * joint.springs().along(placed.x);
+    const Joint::Strained strained = joint.strain(mechanism.scheme, placed.at, placed.pose, state, mechanism.memory(j));
+    const JointForce force =
+        joint.weigh(mechanism.scheme, strained, placed.pose, state, mechanism.damper(j), mechanism.memory(j));
+    const Vector3 others = force.force - state.known.force - placed.pose.axes * joint.spread(placed.x, springs).head<3>();
+    return {in_frames(j, joint.stiffness(placed.pose, gain(j, strained.deformation()))),
+            turning(j, placed, springs, others, inside_.trial_q)};
+}
+
+/// What stems from forces that turn with a joint: of its springs along their strains, of rigid directions with q, both with
+/// their moments; of others (laws, dampers) the force alone. Symmetric: where forces balance the sum over all joints is.
+EndBlocks InteriorMatrix::turning(size_t j, const PlacedJoint& placed, const Vector6& springs, const Vector3& others,
+                                  const std::vector<double>& q) const {
+    const Joint& joint = placed.joint;
+    Vector6 rigid = Vector6::Zero();
+    if (joint.rigid().any()) rigid = inside_.mechanism.scheme.elastic_weight(0) * inside_.rigid_values(j, q);
+    const EndBlocks own = turning_stiffness(placed, springs, rigid, spread_tangent(placed, springs, rigid));
+    EndBlocks K = joint.acting_stiffness(placed.pose, placed.at.from, placed.at.to, others);
+    for (int i : {0, 1})
+        for (int k : {0, 1}) K.at[i][k] += 0.5 * (own.at[i][k] + own.at[k][i].transpose());
+    return in_frames(j, K);
+}
+
+Matrix6 InteriorMatrix::gain(size_t j, const Vector6& deformation) const {
+    const Mechanism& mechanism = inside_.mechanism;
+    return mechanism.joints[j].gain(mechanism.scheme, mechanism.states[j].deformation(), deformation, mechanism.memory(j));
+}
+
+/// h² times such blocks, from world axes to those of the frames at t_n.
+EndBlocks InteriorMatrix::in_frames(size_t j, EndBlocks K) const {
+    const Mechanism& mechanism = inside_.mechanism;
+    const Joint& joint = mechanism.joints[j];
     const double h = inside_.step_size();
     const Matrix3 R[2] = {mechanism.frame(joint.from()).axes(), mechanism.frame(joint.to()).axes()};
-    const auto in_frames = [&](EndBlocks K) {
-        for (int i : {0, 1})
-            for (int k : {0, 1})
-                for (int row : {0, 3})
-                    for (int column : {0, 3}) {
-                        auto block = K.at[i][k].block<3, 3>(row, column);
-                        block = (h * h * R[i].transpose() * block * R[k]).eval();
-                    }
-        return K;
-    };
-    return {in_frames(joint.stiffness(
-                pose, joint.gain(mechanism.scheme, mechanism.states[j].deformation(), deformation, mechanism.memory(j)))),
-            in_frames(joint.acting_stiffness(pose, at.from, at.to, acting))};
+    for (int i : {0, 1})
+        for (int k : {0, 1})
+            for (int row : {0, 3})
+                for (int column : {0, 3}) {
+                    auto block = K.at[i][k].block<3, 3>(row, column);
+                    block = (h * h * R[i].transpose() * block * R[k]).eval();
+                }
+    return K;
 }
 
 /// It has the masses only.
@@ -113,14 +142,10 @@ void InteriorMatrix::form_at_trial() {
     begin();
     for (size_t j = 0; j < mechanism.joints.size(); ++j) {
         const Joint& joint = mechanism.joints[j];
+        add_joint(j, blocks_at_trial(j));
+        if (!joint.rigid().any()) continue;
         const Ends at = ends(joint, inside_.trial);
-        const JointPose pose = joint.pose(at);
-        const Joint::Strained strained = joint.strain(mechanism.scheme, at, pose, mechanism.states[j], mechanism.memory(j));
-        const JointState& state = mechanism.states[j];
-        const JointForce force =
-            joint.weigh(mechanism.scheme, strained, pose, state, mechanism.damper(j), mechanism.memory(j));
-        add_joint(j, blocks(j, at, pose, strained.deformation(), force.force - state.known.force, inside_.trial_q));
-        if (joint.rigid().any()) set_rigid_rows(mechanism, j, pose, strained.theta, elimination_);
+        set_rigid_rows(mechanism, j, joint.pose(at), joint.rotation(at.from, at.to), elimination_);
     }
     find_stiffest();
     if (elimination_.factor()) return form_by(mechanism.frames);

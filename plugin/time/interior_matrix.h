@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "solve/elimination.h"
+#include "statics/resting_joint.h"
 #include "time/inside.h"
 #include "time/law_rows.h"
 
@@ -78,8 +79,11 @@ private:
         Matrix6 at[2];
     };
     Blocks blocks(size_t joint, const std::vector<Frame>& at) const;
-    Blocks blocks(size_t joint, Ends at, const JointPose& pose, const Vector6& deformation, Vector3 acting,
-                  const std::vector<double>& q) const;
+    Blocks blocks_at_trial(size_t joint) const;
+    EndBlocks turning(size_t joint, const PlacedJoint& placed, const Vector6& springs, const Vector3& others,
+                      const std::vector<double>& q) const;
+    Matrix6 gain(size_t joint, const Vector6& deformation) const;
+    EndBlocks in_frames(size_t joint, EndBlocks K) const;
     void begin();
     void add_joint(size_t joint, const Blocks& blocks);
     void form_by(const std::vector<Frame>& at);

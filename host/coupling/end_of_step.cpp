@@ -89,9 +89,11 @@ bool EndOfStep::find_end(const std::vector<BodyState>& now, Networks& networks) 
         if (pass == 0 || networks.is_implicit() || stiffness_wanted_) evaluate(now, networks);
         if (pass == 0 && has_joints) see_singular_position(now, networks);
         // Where springs have kinks, Newton's tangents may lead from one side to the other for ever. It goes back for laws
-        // alone: otherwise four of 4000 stiff random machines fail, whose insides are found slowly.
+        // alone, with joints for those between bodies: otherwise four of 4000 stiff random machines fail, whose insides are
+        // found slowly.
         const bool parts_done = convergence_.judge_parts(networks);
-        const bool may_go_back = has_gone_back || convergence_.waits_for_laws();
+        const bool may_go_back =
+            has_gone_back || (has_joints ? convergence_.waits_for_laws() : networks.have_laws() && !parts_done);
         if (may_go_back && has_base && go_back(now)) {
             has_gone_back = true;
             --pass;  // halving ends where the correction is no longer felt

@@ -47,6 +47,9 @@ Networks::Networks(const Model& model, const Plugins& plugins) : exchange_(model
         for (const dttmm_block& block : instance.blocks())
             if (block.row > block.column) neighbours_.emplace_back(as_int(block.row), as_int(block.column));
     }
+    have_laws_ = std::ranges::any_of(model.elements, [&](const Element& element) {
+        return has_law(*plugins.catalogue().types[as_size(element.type)], element.values);
+    });
     is_implicit_ = model.simulation.coupling == Coupling::implicit;
     if (!exchange_.instances().empty()) take_weights();
     for (const NetworkInstance& instance : exchange_.instances()) {

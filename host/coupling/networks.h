@@ -86,6 +86,8 @@ public:
 
     /// Whether all plugins tell what stands at an instant.
     bool stand() const { return stand_; }
+    /// Whether an element has a law that is not linear.
+    bool have_laws() const { return have_laws_; }
     /// Adds the mean wrenches over the step last committed. Only if stand().
     void add_mean_wrenches(double* wrenches);
     /// Adds the wrenches at the start of that step, when the bodies have the poses and velocities of `at` there; outputs are
@@ -111,7 +113,7 @@ private:
     NetworkExchange exchange_;
     std::vector<std::pair<int, int>> neighbours_;
     double weights_[3] = {0, 1, 0};
-    bool is_implicit_ = false, stand_ = true;
+    bool is_implicit_ = false, stand_ = true, have_laws_ = false;
     std::vector<dttmm_progress> progress_;
     std::vector<size_t> first_part_;  ///< of every instance
 

@@ -101,6 +101,7 @@ void SingularPosition::write_columns(const std::vector<JointEquations>& joints, 
 }
 
 bool SingularPosition::is_suspected(const BlockMatrix& matrix, const BlockFactor& factor) {
+    if (half_.cols() == 0) return false;  // joints without a loop are independent
     // The root of the determinant has the product of all distances. Which equation shows that one vanishes depends on axes
     // and order, and it may be that none does.
     double product = 0;

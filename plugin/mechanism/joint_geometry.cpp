@@ -246,7 +246,7 @@ EndBlocks JointGeometry::acting_stiffness(const JointPose& pose, FrameView from,
     K.at[1][0].bottomRightCorner<3, 3>() = -lF;
     K.at[1][1].bottomRightCorner<3, 3>() = 0.5 * (lF + lF.transpose());
     if (!is_line()) return K;
-    // The strains of a line are of second degree
+    // The strains of a line are not linear
     const EndBlocks stretched =
         stiffness(pose, curvature_of(kind_->springs.line, pose.axes.transpose() * force, deformation(pose, from, to)));
     for (int i : {0, 1})

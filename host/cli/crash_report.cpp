@@ -11,7 +11,6 @@
 #include "loader/law_library.h"
 #include "loader/plugin_call.h"
 #include "model/error.h"
-#include "model/index.h"
 #include "record/csv_writer.h"
 
 namespace dttmm::host {
@@ -132,7 +131,7 @@ CrashReport::CrashReport() {
     ::sigaltstack(&stack, nullptr);
     struct sigaction action {};
     action.sa_handler = on_fault;
-    action.sa_flags = SA_ONSTACK | as_int(SA_RESETHAND);
+    action.sa_flags = SA_ONSTACK | static_cast<int>(SA_RESETHAND);  // the highest bit: no number of an int
     sigemptyset(&action.sa_mask);
     for (int signal : kFaults) sigaction(signal, &action, nullptr);
 }

@@ -257,8 +257,8 @@ void InstantSolver::settle_accelerations(const JointSystem& joints, const std::v
     // Of the accelerations, or of what loads and networks alone would make. 1e-16 to 1e-9 pass the tests of first rows, 1e-7
     // fails one.
     constexpr double kEnough = 1e-13;
-    constexpr double kRoundOff = 1e-6;   // below this a correction that does not shrink is round-off of the wrench
-    constexpr int kMostIterations = 50;  // without rounding there are 6 per body on such masses at most
+    constexpr double kRoundOff = 1e-6;  // below this a correction that does not shrink is round-off of the wrench
+    constexpr int kMostSteps = 50;      // without rounding there are 6 per body on such masses at most
     const auto ask_networks = [&] {
         std::ranges::fill(wrenches_, 0.0);
         networks.stand_at(instant_.at, trial_.front().data(), wrenches_.data());
@@ -289,7 +289,7 @@ void InstantSolver::settle_accelerations(const JointSystem& joints, const std::v
         const double size = norm(residual_), all = std::max(norm(trial_), reference);
         const bool shrinks = iteration == 0 || size < before;
         if (!(size > kEnough * kEnough * all) || (!shrinks && size < kRoundOff * kRoundOff * all)) return;
-        if (iteration == kMostIterations) return;
+        if (iteration == kMostSteps) return;
         const double share = iteration > 0 ? size / before : 0;
         for (size_t b = 0; b < trial_.size(); ++b) direction_[b] = residual_[b] + share * direction_[b];
         go(1);

@@ -6,16 +6,10 @@
 #include <cmath>
 
 #include "core/index.h"
+#include "modal/search.h"
 #include "modal/shape_basis.h"
 
 namespace dttmm::plugin {
-
-namespace {
-
-/// With one factor. Range 2 (below it ASlowSpringIsNoRigidBodyMode) to 8, none fails.
-constexpr int kRounds = 5;
-
-}  // namespace
 
 std::vector<FrameVector> InverseIteration::random_shapes(size_t count) {
     std::vector<FrameVector> shapes(count, FrameVector(as_size(stiffness_.frame_count())));

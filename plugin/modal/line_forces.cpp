@@ -202,7 +202,7 @@ std::vector<LineForces::Piece> LineForces::cut(int count, const Section& section
             piece.length = all.back().length;
         piece.axes = axes_along(way, piece.share(0.5));
         const Bend bend = bend_of(piece, section);
-        for (size_t end : {0, 1}) {
+        for (const size_t end : {0u, 1u}) {
             const Vector3 force = piece.axes.transpose() * at(end == 0 ? piece.from : piece.to).head<3>();
             piece.axial[end] = force.x();
             const Vector3 turn = bend.at_ends[end] + turn_of_section(force, factor_, section);

@@ -10,49 +10,18 @@
 
 #include "core/error.h"
 #include "core/index.h"
+#include "modal/search.h"
 #include "modal/shape_basis.h"
 
 namespace dttmm::plugin {
 
 namespace {
 
-// What decides the search. Range: at its ends the tests of modal/ pass and all examples keep their frequencies to 1e-11.
-// "None fails": no test bounds it there.
-/// What rounding makes of the difference between equal λ, of the same share: the count around them is their proof. Range
-/// 5e-16 (with none ALineUnderItsOwnWeight fails) to 1e-10, none fails.
-constexpr double kSplit = 1e-14;
-/// Of the range looked at: lower frequencies are taken for zero, as rounding splits equal ones by their λ. Range 1e-9 or
-/// less to 2e-7 (ASlowSpringIsNoRigidBodyMode).
-const double kLowest = std::sqrt(kSplit);
-/// Strain that motions listed with 0 Hz may have is reported where it makes more than such a share of λ where counts begin.
-/// Range 1.1e-4 (below it Trusses.ALoadedTrussOnBallJoints...) to 1.2e-3 (above it a pendulum of 0.001 Hz, which spins hide,
-/// is listed with 0 Hz without a word; no test bounds it there).
-constexpr double kReported = 4e-4;
-/// Frequencies so near each other count as equal, unless the count can tell them apart. Range 2e-11 to 2e-7, none fails.
-constexpr double kEqual = 2e-9;
 /// Beside a frequency: there D can be factored, and inside an interval of kEqual.
-constexpr double kBeside = 0.25 * kEqual;
-/// Of ω: the narrowest interval in which a mode is confirmed by counts, and the widest; λ of a group of modes that are
-/// refined together lie nearer than that. Range 2.5e-13 to 2.5e-9, none fails; 1e-6 (below it RandomTrees) to 1e-3, none
-/// fails.
-constexpr double kFinestBracket = 2.5e-11, kWidestBracket = 1e-5;
-/// The same where forces at rest may bring a frequency near to zero. Of 864 columns near their critical loads 52 are refused
-/// with 1e-5, 8 with 1e-4, 5 with 1e-2; 39 known to 6e-5 or less lie where their neighbours lead to, to 1 % of ω².
-constexpr double kWidestAtRest = 1e-4;
-/// Of unit mass: less is left of a shape that was found twice.
-constexpr double kLeft = 1e-8;
-/// Where the search for the first few begins, and where a model of finitely many masses has no more [rad/s]. Range 0.06 to
-/// 600 and 1e10 to 1e14, none fails.
-constexpr double kFirstTrial = 2 * M_PI, kFastest = 1e12;
-/// By so much a search widens at a time. Range 2 to 8 (above it ASlowSpringIsNoRigidBodyMode). Modes slower than its square
-/// times √rounding are not known to kWidestBracket: 3 to 6 were measured at a column near Euler's load.
-constexpr double kWiden = 4;
-/// high/low of an interval in whose middle the shapes of its modes are looked for. Range 1.05 or less to 1.3 (at 1.41
-/// ABeamBetweenTwoPointsOfOneRigidBody: pieces cut for another ω show another largest displacement).
-constexpr double kNarrow = 1.3;
-/// Of Newton's iteration, which converges quadratically: after a correction of √ε of λ the next one is rounding. Where that
-/// is larger it is stopped after so many passes, and the bracket has the remaining error. Range 4 to 16, none fails.
-constexpr int kMostPasses = 5;
+constexpr double kBeside = kEqual / kWiden;
+/// The narrowest interval in which a mode is confirmed by counts, as share of ω.
+constexpr double kFinestBracket = kBeside / (kWiden * kWiden);
+/// Of Newton's iteration, which converges quadratically: after a smaller correction of λ the next one is rounding.
 const double kConverged = std::sqrt(std::numeric_limits<double>::epsilon());
 
 double hertz(double omega) { return omega / (2 * M_PI); }
@@ -65,7 +34,17 @@ std::string ModeFinder::of_load() const {
     return ", or change the load a little where it is near a critical one: there a frequency goes through zero";
 }
 
-double ModeFinder::lowest_for(double below) { return std::max(slow_.quiet(), kLowest * below); }
+/// Where nothing is stiff, any frequency will do.
+double ModeFinder::lowest_for(double below) {
+    const double quiet = slow_.quiet();
+    return quiet > 0 ? quiet : below / kWiden;
+}
+
+/// Where a search begins: half-way between what rounding hides and what is stiffest.
+double ModeFinder::first_trial() const { return std::sqrt(std::sqrt(slow_.rounding() * stiffness_.stiffest())); }
+
+/// Masses without lines between them have no faster motions: a mass of less than ε of the whole is rounding.
+double ModeFinder::fastest_mass() const { return std::sqrt(stiffness_.stiffest() / std::numeric_limits<double>::epsilon()); }
 
 /// A frequency hit to rounding has no count: a little beside it there is one.
 int ModeFinder::count_at(double omega) {
@@ -102,9 +81,11 @@ std::vector<Mode> ModeFinder::find_below(double below) {
 
 std::vector<Mode> ModeFinder::find_first(int count) {
     // How far to look. Masses without lines between them have only so many
-    double below = kFirstTrial;
+    stiffness_.cut(0);
+    const double fastest = fastest_mass();
+    double below = first_trial();
     int most = -1;
-    for (double trial = kFirstTrial; most < count && trial < kFastest; trial *= kWiden) {
+    for (double trial = below; most < count && trial < fastest; trial *= kWiden) {
         stiffness_.cut(trial);
         if (const int there = lowest_for(trial) < trial ? count_at(trial) : 0; there > most) {
             most = there;
@@ -131,7 +112,7 @@ int ModeFinder::count_growth(int slack) {
     if (stiffness_.stiffest() == 0) return 0;
     const double lowest = slack == 0 ? lowest_for(0) : 0;
     stiffness_.cut(0);
-    const double shift = slack == 1 ? 0 : slack == 0 ? SlowMotions::kFixed * -lowest * lowest : -slack * slow_.rounding();
+    const double shift = slack == 1 ? 0 : slack == 0 ? kFixed * -lowest * lowest : -slack * slow_.rounding();
     // An eigenvalue hit to rounding has no count; beside it, by what rounding may make of one, there is one
     for (const double at : {shift, shift - slow_.rounding()})
         if (const auto count = stiffness_.count(at)) return *count;
@@ -205,11 +186,12 @@ void ModeFinder::find_until(double below, size_t wanted) {
 
 /// Motions of a machine at rest that grow, the fastest first.
 void ModeFinder::find_growing(double lowest) {
-    growing_ = stiffness_.count(SlowMotions::kFixed * -lowest * lowest).value_or(0);
+    growing_ = stiffness_.count(kFixed * -lowest * lowest).value_or(0);
     if (growing_ == 0) return;
     sign_ = -1;
-    counts_[lowest * std::sqrt(SlowMotions::kFixed)] = 0;
-    for (double trial = std::max(kFirstTrial, lowest * kWiden); trial < kFastest; trial *= kWiden)
+    counts_[lowest * std::sqrt(kFixed)] = 0;
+    const double fastest = fastest_mass();
+    for (double trial = std::max(first_trial(), lowest * kWiden); trial < fastest; trial *= kWiden)
         if (count_at(trial) == growing_) break;
     find_between(std::numeric_limits<size_t>::max());
     sign_ = 1;
@@ -250,17 +232,17 @@ void ModeFinder::split(const Interval& interval) {
 
 void ModeFinder::find_rigid(int count, double lowest) {
     if (count == 0) return;
-    const double shift = SlowMotions::kFixed * -lowest * lowest;  // all is fixed there
+    const double shift = kFixed * -lowest * lowest;  // all is fixed there
     if (!stiffness_.model().levers.empty() && !stiffness_.model().is_at_rest) refuse(stiffness_.count(shift).value_or(0));
     std::vector<FrameVector> shapes;
     const auto [strained, most, grows] = slow_.find_free(as_size(count), shift, shapes);
     const double least = lowest > slow_.quiet() ? lowest * lowest : slow_.rounding();
     // Forces at rest balance to some digits only: what they leave of a motion that nothing holds is no reason to refuse it
     const bool is_hidden = stiffness_.model().is_at_rest && strained <= slow_.most_hidden();
-    const bool is_strained = strained > SlowMotions::kStrain * least;
+    const bool is_strained = strained > kStrain * least;
     // Where counts begin to hold above rounding, they do not say how slow is what they have below
     const bool may_be =
-        slow_.quiet() > std::sqrt(slow_.rounding()) && most > std::max(slow_.most_hidden(), kReported * lowest * lowest);
+        slow_.quiet() > std::sqrt(slow_.rounding()) && most > std::max(slow_.most_hidden(), kStrain * lowest * lowest);
     if (is_strained && !is_hidden) {
         // Growth is counted from that shift on. The strain is known to some parts of itself only
         const double slow = std::sqrt(strained), limit = std::max(slow, grows ? std::sqrt(-shift) : lowest);
@@ -324,22 +306,23 @@ std::vector<ModeFinder::Cluster> ModeFinder::approximate(const Interval& interva
 bool ModeFinder::converge(Cluster& cluster) {
     stiffness_.cut(std::sqrt(cluster.lambdas.back()));
     if (stiffness_.cuts() != cluster.cuts) cluster.shapes = inverse_.random_shapes(cluster.shapes.size());
-    double change = std::numeric_limits<double>::infinity();
-    for (int pass = 0; pass < kMostPasses && change > kConverged; ++pass) {
+    double change = std::numeric_limits<double>::infinity(), before;
+    do {
+        before = change;
         const double mean = 0.5 * (cluster.lambdas.front() + cluster.lambdas.back());
         const std::vector<double> next = approach(cluster.shapes, mean * (1 + kBeside));
         if (next.empty() || !(next.front() > 0)) return false;
         change = 0;
         for (size_t k = 0; k < next.size(); ++k) change = std::max(change, std::abs(next[k] - cluster.lambdas[k]) / next[k]);
         cluster.lambdas = next;
-    }
+    } while (change > kConverged && change < before);
     return true;
 }
 
 /// The first frequencies of a group of near ones that count as equal.
 ModeFinder::Cluster ModeFinder::take_equal(Cluster& near) const {
     size_t count = 1;
-    const auto is_equal = [&](double a, double b) { return b <= a * (1 + 2 * kEqual) + kSplit * stiffness_.stiffest(); };
+    const auto is_equal = [&](double a, double b) { return b <= a * (1 + 2 * kEqual) + slow_.rounding(); };
     while (count < near.lambdas.size() && is_equal(near.lambdas[count - 1], near.lambdas[count])) ++count;
     const auto n = as_row(count);
     Cluster equal{{near.lambdas.begin(), near.lambdas.begin() + n},
@@ -391,7 +374,7 @@ bool ModeFinder::part_from_others(Cluster& equal) const {
             const double share = dot(other.shape, stiffness_.mass_times(shape)) / other.mass;
             for (size_t f = 0; f < shape.size(); ++f) shape[f] -= share * other.shape[f];
         }
-        if (dot(shape, stiffness_.mass_times(shape)) <= kLeft * mass) return false;
+        if (dot(shape, stiffness_.mass_times(shape)) <= kSameShape * mass) return false;
     }
     return true;
 }
@@ -417,7 +400,7 @@ Mode ModeFinder::describe(FrameVector shape, double lambda) const {
         mode.residual = std::abs(dot(shape, stiffness_.stiffness_times(shape)) / inertial);
         mode.bracket = (std::abs(2 * elastic - inertial) + 2 * all.unsure) / std::abs(inertial);
     }
-    if (mode.bracket > (stiffness_.model().is_at_rest ? kWidestAtRest : kWidestBracket))
+    if (mode.bracket > kWidestBracket)
         throw Error(
             DTTMM_ERROR_NUMERIC,
             fmt::format("a natural frequency at {:.6g} Hz is known to {:.1e} of itself only: rounding of the stiffest "

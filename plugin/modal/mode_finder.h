@@ -72,6 +72,8 @@ private:
     void refuse_noise(const char* what, int growing) const;
     std::string of_load() const;
     double lowest_for(double below);
+    double first_trial() const;
+    double fastest_mass() const;
     int count_at(double omega);
     void find_until(double below, size_t wanted);
     void find_rigid(int count, double lowest);

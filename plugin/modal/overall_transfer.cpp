@@ -32,7 +32,7 @@ bool can_be_singular(const Eigen::MatrixXd& U) { return U.rows() > 0 && U.rows()
 /// The smallest singular value as share of the largest; 1 of a matrix that is empty, not square or overflows.
 double smallest_of(const Eigen::MatrixXd& U) {
     if (!can_be_singular(U)) return 1;
-    const Eigen::VectorXd singular = U.bdcSvd().singularValues();
+    const Eigen::VectorXd singular = U.jacobiSvd().singularValues();
     return singular(singular.size() - 1) / singular(0);
 }
 

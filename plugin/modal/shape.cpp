@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "core/index.h"
@@ -12,8 +11,6 @@ namespace dttmm::plugin {
 
 namespace {
 
-/// Of the entries of a piece's stiffness.
-constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
 /// Stations of a piece that is half a wave at most.
 constexpr int kStations = 8;
 
@@ -26,7 +23,7 @@ Strain strain_of(const Matrix12& D, const Matrix12& lambda_M, const Vector12& en
         ends.tail<3>() - ends.segment<3>(3);
     const Matrix12 B = D + lambda_M;
     const double of_ends = 0.5 * ends.dot(B * ends), of_deformed = 0.5 * deformed.dot(B * deformed);
-    const double rounding = kRounding * ends.cwiseAbs().dot(D.cwiseAbs() * ends.cwiseAbs());
+    const double rounding = kStrainRounding * ends.cwiseAbs().dot(D.cwiseAbs() * ends.cwiseAbs());
     const double difference = std::abs(of_ends - of_deformed);
     return difference <= rounding ? Strain{of_deformed, difference} : Strain{of_ends, rounding};
 }

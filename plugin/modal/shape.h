@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "modal/dynamic_stiffness.h"
@@ -8,6 +9,9 @@
 namespace dttmm::plugin {
 
 // A motion u of the frames at the λ at which D stands, everywhere in the machine.
+
+/// Of a sum that gives a strain: some times that of the machine's numbers.
+constexpr double kStrainRounding = 8 * std::numeric_limits<double>::epsilon();
 
 /// Strain energy for a motion of amplitude u, and what of it may be rounding [J].
 struct Strain {

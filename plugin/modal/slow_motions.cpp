@@ -10,37 +10,16 @@
 
 #include "core/error.h"
 #include "core/index.h"
+#include "modal/search.h"
 #include "modal/shape_basis.h"
 
 namespace dttmm::plugin {
 
 namespace {
 
-/// Rounding of a rigid-body mode's λ, as share of the largest stiffness over the whole mass. Range 1e-13 (below it
-/// RandomTrees) to 2e-12 (above it ASlowSpringIsNoRigidBodyMode).
-constexpr double kRigidRounding = 1e-12;
-/// The same of a motion that turns both frames of a spring against turning alike, as share of what would strain the spring
-/// if one of them stood. With 2e-14 growth at 1e-7 Hz is lost in 3 of 100 eccentric trains, with 2e-15 in 2; without, the
-/// number of free motions is wrong in 17 of 470 trains, and Statics.AShaftTrain... fails. At half and
-/// at twice no test fails.
-constexpr double kTurningRounding = 2e-15;
-/// Of rounding. At 8 and 32 no test fails, and of 300 trusses as many are right.
-constexpr double kHidden = 16;
-/// Of √rounding: what rounding makes of spins with little inertia reaches so far, as a rule and at most. Range 1024 (at 512
-/// Trusses.ALoadedTruss...) to 2048, none fails; 8192 to 32768, none fails.
-constexpr double kNoise = 1024, kMostNoise = 16384;
-/// From one frequency at which they are counted to the next. Of 300 trusses 134 are right, as with 2; with 8 it is 133.
-constexpr double kFiner = 4;
-/// From where counts are to hold to the slowest vibration. Of 300 trusses 139 are right with 1.1, 134 with 1.5, 130 with 3:
-/// there ModesAtRest.SlowGrowthIsSaid fails.
-constexpr double kApart = 1.5;
-/// Shapes beside those that are looked for: random ones have next to nothing of a spin, and find what is near instead. Of
-/// 300 trusses 137 are right with 2 and with 8.
-constexpr size_t kGuards = 4;
-/// Of unit mass: less is left of a shape that says what others do. Range 1e-12 to 1e-3, none fails.
-constexpr double kSame = 1e-6;
-/// Not of more motions: the strain of 90 took 0.4 s. No test bounds it.
-constexpr size_t kMostShapes = 40;
+/// Shapes beside those that are looked for, as many again: random ones have next to nothing of a spin, and find what is near
+/// instead.
+size_t guards(size_t count) { return std::min(count, kMostShapes - std::min(count, kMostShapes)); }
 
 }  // namespace
 
@@ -53,7 +32,7 @@ double SlowMotions::quiet() {
     find_rounding();
     quiet_ = std::sqrt(rounding());
     if (*quiet_ == 0) return 0;
-    for (const double far : {kNoise * *quiet_, kMostNoise * *quiet_})
+    for (const double far : {kNoise * *quiet_, kHidden * kNoise * *quiet_})
         if (const std::optional<double> found = look_for_noise(*quiet_, far)) return *(quiet_ = found);
     is_noisy_ = true;
     return *quiet_;
@@ -64,17 +43,17 @@ double SlowMotions::quiet() {
 void SlowMotions::find_rounding() {
     const FrequencyModel& model = stiffness_.model();
     const double base = std::sqrt(rounding());
-    const double most = kTurningRounding * model.stiffest_rotor();
+    const double most = kStrainRounding * model.stiffest_rotor();
     if (base == 0 || most <= base * base || count(std::sqrt(kHidden * most)) == 0) return;  // nothing so slow has it
     const double shift = -kFixed * base * base;
     const auto below = as_size(std::max(count(kNoise * base), 0));
-    for (const size_t more : {kGuards, size_t{0}}) {
+    for (const size_t more : {guards(below), size_t{0}}) {
         if (below + more == 0 || below + more > kMostShapes) continue;
         std::vector<FrameVector> shapes = inverse_.random_shapes(below + more);
         std::vector<Strained> all;
         for (int round = 0; round < 2 && (round == 0 || !all.empty()); ++round) all = iterate_slow(shapes, shift, true);
         for (size_t k = 0; k < all.size(); ++k) {
-            const double own = kTurningRounding * model.turning_of_springs(shapes[k]);
+            const double own = kStrainRounding * model.turning_of_springs(shapes[k]);
             if (all[k].surely <= own) of_turning_ = std::max(of_turning_, own);
         }
         if (!all.empty()) return;
@@ -103,27 +82,28 @@ std::optional<double> SlowMotions::look_for_noise(double base, double far) {
         return base;
     }
     bool differ = stiffness_.count(-kFixed * base * base) != fast;
-    for (double probe = far / kFiner; probe >= base && !differ; probe /= kFiner) differ = count(probe) != above;
+    for (double probe = far / kWiden; probe >= base && !differ; probe /= kWiden) differ = count(probe) != above;
     if (!differ) return base;
     stiffness_.cut(far);
-    for (const size_t more : {kGuards, size_t{0}}) {
-        const std::vector<Strained> all = look_at_slow(as_size(above - fast) + more, shift);
+    const size_t slow = as_size(above - fast);
+    for (const size_t more : {guards(slow), size_t{0}}) {
+        const std::vector<Strained> all = look_at_slow(slow + more, shift);
         if (all.empty()) continue;
         // Forces at rest balance to some digits only, and may leave strain where nothing holds: the second attempt allows it
         for (const double least : {kStrain * rounding(), most_hidden()}) {
             if (least == most_hidden() && !stiffness_.model().is_at_rest) break;
             int free = 0, growing = 0;
-            double slowest = far * kApart;
+            double slowest = far * kNarrow;
             for (const Strained& own : all)
                 if (own.surely <= least)
                     ++free;
                 else
                     slowest = std::min(slowest, std::sqrt(own.surely / (own.grows ? kFixed : 1))), growing += own.grows;
             if (slowest < base) continue;
-            for (const double probe : {std::max(slowest / kApart, base), base}) {
+            for (const double probe : {std::max(slowest / kNarrow, base), base}) {
                 if (count(probe) != fast + growing + free || stiffness_.count(-kFixed * probe * probe) != fast + growing)
                     continue;
-                looked_at_ = {as_size(above - fast), shift};
+                looked_at_ = {slow, shift};
                 return probe;
             }
         }
@@ -147,7 +127,7 @@ std::vector<SlowMotions::Strained> SlowMotions::iterate_slow(std::vector<FrameVe
     const auto is_free = [&](const Strained& one) { return one.surely <= kStrain * rounding(); };
     if (!parts || std::ranges::all_of(all, is_free)) {
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> span(masses_of(shapes), Eigen::EigenvaluesOnly);
-        const bool are_apart = span.eigenvalues().minCoeff() > kSame * span.eigenvalues().maxCoeff();
+        const bool are_apart = span.eigenvalues().minCoeff() > kSameShape * span.eigenvalues().maxCoeff();
         if (are_apart) return all;
         if (!parts) return {};
     }
@@ -203,7 +183,7 @@ bool SlowMotions::part_by_strain(std::vector<FrameVector>& shapes) const {
         }
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> span(masses_of(shapes));
     if (span.info() != Eigen::Success || !span.eigenvectors().allFinite()) return false;
-    const Eigen::Index rank = (span.eigenvalues().array() > kSame * span.eigenvalues().maxCoeff()).count();
+    const Eigen::Index rank = (span.eigenvalues().array() > kSameShape * span.eigenvalues().maxCoeff()).count();
     const Eigen::MatrixXd unit =
         span.eigenvectors().rightCols(rank) * span.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> own(unit.transpose() * strain * unit);
@@ -213,15 +193,15 @@ bool SlowMotions::part_by_strain(std::vector<FrameVector>& shapes) const {
 }
 
 SlowMotions::Strained SlowMotions::find_free(size_t count, double shift, std::vector<FrameVector>& shapes) {
+    const size_t most = std::max(count, looked_at_.count);
     const struct {
         size_t among;
         double shift;
-    } attempts[] = {{count, shift},
-                    {count + kGuards, shift},
-                    {std::max(count, looked_at_.count) + kGuards, std::min(shift, looked_at_.shift)}};
+    } attempts[] = {
+        {count, shift}, {count + guards(count), shift}, {most + guards(most), std::min(shift, looked_at_.shift)}};
     std::optional<Strained> found;
     for (const auto& [among, at] : attempts) {
-        if (among > std::max(count, kMostShapes + kGuards)) continue;
+        if (among > std::max(count, kMostShapes)) continue;
         std::vector<FrameVector> others;
         const std::optional<Strained> strained = find_least(count, among, at, others);
         if (!strained || (found && found->surely <= strained->surely)) continue;

@@ -16,12 +16,6 @@ class SlowMotions {
 public:
     explicit SlowMotions(DynamicStiffness& stiffness) : stiffness_(stiffness), inverse_(stiffness) {}
 
-    /// Times −ω²: a shift at which what is slower than ω counts as held.
-    static constexpr double kFixed = 4;
-    /// Strain of a rigid-body mode beyond its rounding, as share of λ where the count begins. More is a mode too slow to be
-    /// counted. Range 1e-5 (below it RandomTrees) to 1e-3 (above it ASlowSpringIsNoRigidBodyMode).
-    static constexpr double kStrain = 1e-4;
-
     /// What rounding makes of λ = 0 [1/s²]; after quiet() also of motions that turn what is stiff against turning.
     double rounding() const;
     /// What forces at rest leave of it, where they balance to some digits only [1/s²].

@@ -1996,7 +1996,7 @@ TEST(Statics, AColumnThatIsSoftInShear) {
     };
     for (const double pressure : {0.3, 2.0, -0.5, -4.0}) {
         std::array<double, 2> y{}, z{};
-        for (const size_t i : {0, 1}) {
+        for (const size_t i : {0u, 1u}) {
             const auto row = rest_of(soft_in_shear(i == 0 ? 8 : 16, -pressure, std::sqrt(2.) * kAcross)).row;
             y[i] = -0.8 * (row.at("tip.position.x") - 0.64) + 0.6 * (row.at("tip.position.y") - 0.92);
             z[i] = row.at("tip.position.z") - 0.3;
@@ -3248,7 +3248,7 @@ section = {{ EA = 1e7, EIy = 10, EIz = 60, GJ = 5, mass = 0.8, inertia = 1e-3 }}
 // the board that has it from the start tips over at the same load, but for the bend that its own small load adds.
 TEST(ModesAtRest, MomentsTipOverABoardOfManyBeams) {
     constexpr double kForce = 2, kSmall = 0.02;
-    for (const size_t count : {7, 80}) {
+    for (const size_t count : {7u, 80u}) {
         std::vector<Eigen::Vector3d> points;
         for (size_t k = 0; k <= count; ++k)
             points.emplace_back(1.2 * static_cast<double>(k) / static_cast<double>(count),

@@ -91,7 +91,7 @@ TEST(Trusses, RodsOnBallJointsSpinFreely) {
         SCOPED_TRACE(fmt::format("{} rods of {} m", count, diameter));
         const Star star(seed, count, diameter, 1e6 * diameter * diameter);
         const std::vector<double> found = frequencies_of(modes_of(star.model(), {"--count", fmt::format("{}", count + 3)}));
-        ASSERT_EQ(found.size(), count + 3U);
+        ASSERT_EQ(std::ssize(found), count + 3);
         for (int i = 0; i < count; ++i) EXPECT_EQ(found[static_cast<size_t>(i)], 0);
         const test::Pencil truth = test::solve_pencil(star.stiffness, star.mass);
         for (int i = 0; i < 3; ++i) {
@@ -110,7 +110,7 @@ TEST(Trusses, ALoadedTrussOnBallJointsIsNotUnstable) {
         EXPECT_THAT(rest.told, Not(HasSubstr("unstable")));
         EXPECT_EQ(rest.summary["free_motions"], count);
         const std::vector<double> found = frequencies_of(modes_of(model, {"--count", fmt::format("{}", count + 3)}));
-        ASSERT_EQ(found.size(), count + 3U);
+        ASSERT_EQ(std::ssize(found), count + 3);
         for (size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i] == 0, i < static_cast<size_t>(count));
     }
 }
@@ -156,7 +156,7 @@ TEST(Trusses, APendulumBesideThemIsRightOrRefused) {
                 folder.path(), {"modes", "model.toml", "--json", "--count", fmt::format("{}", count + 1), "-o", "modes"});
             if (modes.code == 0) {
                 const std::vector<double> found = frequencies_of(nlohmann::json::parse(modes.out));
-                ASSERT_EQ(found.size(), count + 1U);
+                ASSERT_EQ(std::ssize(found), count + 1);
                 EXPECT_NEAR(frequency < 0 ? found.front() : found.back(), frequency, 1e-3 * std::abs(frequency));
                 ++right;
             } else {

@@ -10,7 +10,7 @@
 namespace dttmm::plugin {
 namespace {
 
-using Complex = std::complex<double>;
+using Number = std::complex<double>;
 
 /// Springs between all masses, which nothing holds but a row of a rigid direction at the first, in units in which both are
 /// near one.
@@ -20,7 +20,7 @@ Eigen::MatrixXcd held_springs(int masses, std::mt19937& random) {
     for (int i = 0; i < masses; ++i)
         for (int j = 0; j < i; ++j) {
             const double re = uniform(random), im = 0.1 * uniform(random);
-            const Complex k(re, im);
+            const Number k(re, im);
             A(i, i) += k;
             A(j, j) += k;
             A(i, j) = A(j, i) = -k;

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+
+namespace dttmm::plugin {
+
+// All that decides how natural frequencies are searched and what counts as found. Range: at its ends the tests of modal/ and
+// of the commands about modes pass; in brackets the test that fails beyond it. "Free": none fails.
+
+/// From one frequency of a search to the next, and of brackets.
+constexpr double kWiden = 4;
+/// Times −ω²: a shift at which what is slower than ω counts as held.
+constexpr double kFixed = kWiden;
+/// high/low of an interval in whose middle the shapes of its modes are looked for. Also between two frequencies that count
+/// as apart.
+constexpr double kNarrow = 1.3;
+/// Rounds of inverse iteration with one factor.
+constexpr int kRounds = 5;
+/// Frequencies so near each other count as equal, unless the count can tell them apart.
+constexpr double kEqual = 2e-9;
+/// Of ω: the widest interval in which a mode is confirmed. λ of modes that are refined together lie nearer than that.
+constexpr double kWidestBracket = 1e-4;
+/// Of unit mass: less is left of a shape that says what others do.
+constexpr double kSameShape = 1e-6;
+/// Rounding of a rigid-body mode's λ, as share of the largest stiffness over the whole mass.
+constexpr double kRigidRounding = 1e-12;
+/// Times rounding: what forces at rest leave of λ = 0, where they balance to some digits only.
+constexpr double kHidden = 16;
+/// Times √rounding: what rounding makes of spins with little inertia reaches so far as a rule, and times kHidden at most.
+constexpr double kNoise = 1024;
+/// Strain of a rigid-body mode, as share of λ where the count begins. More is a mode too slow to be counted.
+constexpr double kStrain = 3e-4;
+/// The strain of more shapes is not looked at: that of 90 took 0.4 s.
+constexpr std::size_t kMostShapes = 40;
+
+}  // namespace dttmm::plugin

@@ -17,6 +17,7 @@
 #include "analysis/check_law.h"
 #include "analysis/frf.h"
 #include "analysis/help.h"
+#include "analysis/modal_session.h"
 #include "analysis/modes.h"
 #include "analysis/modes_sweep.h"
 #include "analysis/response.h"
@@ -37,6 +38,7 @@
 #include "model/keys.h"
 #include "model/wording.h"
 #include "record/hdf5_writer.h"
+#include "record/results_folder.h"
 #include "record/tell.h"
 #include "report/export.h"
 #include "report/plot.h"
@@ -263,7 +265,8 @@ std::string version_text() {
                        Hdf5Writer::version(), FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100);
 }
 
-ExitCode dispatch(int argc, char** argv) {
+/// earlier: the results that the command would replace, where it takes their folder at its end only.
+ExitCode dispatch(int argc, char** argv, EarlierResults& earlier) {
     if (argc > 1 && argv[1] == std::string_view("complete")) {
         complete({argv + 2, argv + argc});
         return ExitCode::ok;
@@ -308,6 +311,8 @@ ExitCode dispatch(int argc, char** argv) {
     for (const auto& [parsed, command] : commands) {
         if (!*parsed) continue;
         request.model = model_file(request.model);
+        if (command->given == Given::model)
+            earlier = EarlierResults(results_path(request, fmt::format("-{}", command->name).c_str()));
         return command->run(request);
     }
     return ExitCode::ok;
@@ -321,9 +326,9 @@ ExitCode judge_output_failure(int number) {
 }
 
 /// Dispatches and sees what was printed out of the house.
-ExitCode dispatch_and_flush(int argc, char** argv) {
+ExitCode dispatch_and_flush(int argc, char** argv, EarlierResults& earlier) {
     try {
-        const ExitCode code = dispatch(argc, argv);
+        const ExitCode code = dispatch(argc, argv, earlier);
         if (std::fflush(stdout) == 0 || code != ExitCode::ok) return code;
         return judge_output_failure(errno);
     } catch (const std::system_error& error) {
@@ -340,11 +345,14 @@ int run_command(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);
     const CrashReport crash_report;
     ExitCode code = ExitCode::internal_error;
+    EarlierResults earlier;
     try {
-        code = dispatch_and_flush(argc, argv);
+        code = dispatch_and_flush(argc, argv, earlier);
     } catch (const Error& error) {
         tell(describe(error));
         code = error.code();
+        const std::string left = code == ExitCode::numerical_failure ? earlier.left() : "";
+        if (!left.empty()) tell(left);
     } catch (const std::bad_alloc&) {
         tell("dttmm: out of memory");
         code = ExitCode::resource_limit;

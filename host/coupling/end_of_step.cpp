@@ -172,7 +172,7 @@ bool EndOfStep::judge(int pass, const Networks& networks) {
     const auto judgement = convergence_.judge_bodies(equations_.u(), equations_.correction(), pass > 1 || joints_.empty());
     if (!judgement.is_finite) {
         networks.refuse_large_wrenches();
-        fail(pass);
+        fail();
     }
     if (judgement.is_slow) {
         equations_.joint_system().tighten();
@@ -208,7 +208,7 @@ void EndOfStep::confirm(const std::vector<BodyState>& after) const {
                         fmt::format("t = {:.9g} s: ODE's joints move body \"{}\" otherwise than predicted, by {:.1e} m/s "
                                     "(joint \"{}\"); {}",
                                     open_.time, convergence_.name(b), off, joint.name,
-                                    cure("a step too long for the turning, or very unequal masses?")));
+                                    cure("try a smaller step, or give the lightest body on these joints more mass")));
         }
 }
 
@@ -220,30 +220,34 @@ const char* EndOfStep::cure(const char* otherwise) const {
 }
 
 void EndOfStep::refuse_matrix(const std::vector<BodyState>& now) const {
-    throw Error(ExitCode::numerical_failure,
-                fmt::format("t = {:.9g} s: the matrix of the end of the step, M + h² S, is singular, first at body "
-                            "\"{}\": {}",
-                            open_.time, convergence_.name(equations_.least_held(now)),
-                            joints_.empty() ? "its elements push it over faster than the step follows; try a smaller one"
-                                            : cure("very unequal masses on joints?")));
+    throw Error(
+        ExitCode::numerical_failure,
+        fmt::format(
+            "t = {:.9g} s: the matrix of the end of the step, M + h² S, is singular, first at body "
+            "\"{}\": {}",
+            open_.time, convergence_.name(equations_.least_held(now)),
+            joints_.empty()
+                ? "its elements push it away faster than the step follows. Does one give way, past its largest force? "
+                  "Otherwise try a smaller step"
+                : cure("give the lightest body on its joints more mass, or make it part of its neighbour")));
 }
 
 /// Names a part that has not converged, where the bodies have; else the worst body.
 void EndOfStep::refuse(const Networks& networks) const {
     networks.refuse_large_wrenches();
     const int part = convergence_.part_not_done();
-    if (part < 0) fail(kMostPassesOfStep);
+    if (part < 0) fail();
     throw Error(
         ExitCode::numerical_failure,
         fmt::format("t = {:.9g} s: {}: the motion inside was not found in {} passes (last correction {:.1e} m/s); "
                     "{}",
-                    open_.time, networks.whose_part(as_size(part)), kMostPassesOfStep, convergence_.correction_inside(part),
+                    open_.time, networks.whose_part(as_size(part)), open_.passes, convergence_.correction_inside(part),
                     have_rigid_loop_ ? "elements with rigid directions form a closed loop in this model. If the loop is at "
                                        "a singular position, give one of them a stiffness; otherwise try a smaller step"
                                      : "try a smaller step"));
 }
 
-void EndOfStep::fail(int passes) const {
+void EndOfStep::fail() const {
     const BodyVectors& correction = equations_.correction();
     size_t worst = 0;
     for (size_t b = 1; b < correction.size(); ++b)
@@ -252,7 +256,7 @@ void EndOfStep::fail(int passes) const {
         ExitCode::numerical_failure,
         fmt::format(
             "t = {:.9g} s: the end of the step was not found in {} passes (last correction {:.1e} m/s), worst at {}; {}",
-            open_.time, passes, correction[worst].norm(), convergence_.name_of(worst), cure("try a smaller step")));
+            open_.time, open_.passes, correction[worst].norm(), convergence_.name_of(worst), cure("try a smaller step")));
 }
 
 }  // namespace dttmm::host

@@ -85,7 +85,7 @@ private:
     const char* cure(const char* otherwise) const;
     [[noreturn]] void refuse_matrix(const std::vector<BodyState>& now) const;
     [[noreturn]] void refuse(const Networks& networks) const;
-    [[noreturn]] void fail(int passes) const;
+    [[noreturn]] void fail() const;
 
     StepEquations equations_;
     StepConvergence convergence_;

@@ -161,8 +161,8 @@ void InstantSolver::factor(const JointSystem& joints, double time) {
     if (!factor_.factor(matrix_))
         throw Error(
             ExitCode::numerical_failure,
-            fmt::format("t = {:.9g} s: the equations of the joints at this instant are singular: very unequal masses "
-                        "on joints, or a singular position?",
+            fmt::format("t = {:.9g} s: the equations of the joints at this instant are singular. Start beside a singular "
+                        "position, or give the lightest body on joints more mass",
                         time));
 }
 

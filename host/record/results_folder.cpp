@@ -193,6 +193,23 @@ std::string ResultsFolder::describe(std::string_view name) const {
     return replaced_.empty() ? place : fmt::format("{} (those of {} are replaced)", place, replaced_);
 }
 
+namespace {
+
+std::optional<fs::file_time_type> written_at(const fs::path& folder) {
+    std::error_code fails;
+    const fs::file_time_type time = fs::last_write_time(from_start(folder) / "summary.json", fails);
+    return fails ? std::nullopt : std::optional(time);
+}
+
+}  // namespace
+
+EarlierResults::EarlierResults(fs::path folder) : folder_(std::move(folder)), written_(written_at(folder_)) {}
+
+std::string EarlierResults::left() const {
+    if (!written_ || written_at(folder_) != written_) return {};
+    return fmt::format("{} still has the results of {}", folder_.string(), time_of(from_start(folder_) / "summary.json"));
+}
+
 fs::path from_start(const fs::path& path) { return path.is_absolute() ? path : kStartFolder / path; }
 
 fs::path default_results_path(const fs::path& model_path) {

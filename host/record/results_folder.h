@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -39,6 +40,21 @@ private:
     std::filesystem::path path_, absolute_;
     std::string replaced_;
     File marker_;  ///< open and locked
+};
+
+/// Results that were there before a command began.
+class EarlierResults {
+public:
+    EarlierResults() = default;
+    explicit EarlierResults(std::filesystem::path folder);
+
+    /// For the terminal, where the command failed: "results/plate still has the results of 2026-11-22 12:41". Empty where
+    /// there were none, or where they are gone.
+    std::string left() const;
+
+private:
+    std::filesystem::path folder_;
+    std::optional<std::filesystem::file_time_type> written_;
 };
 
 /// `path` seen from the folder in which the process started.

@@ -1217,6 +1217,40 @@ TEST(Statics, AnExpressionCountsAtItsInstant) {
     EXPECT_THAT(ended.err, HasSubstr("the value of \"=30/t\" is not finite at t = 0"));
 }
 
+// What it replaces at its end only is still there after a failure: it says so.
+TEST(Statics, AFailureSaysWhichResultsAreStillThere) {
+    const TemporaryFolder folder;
+    const auto ended_with = [&](double stiffness) {
+        write_text(folder / "m.toml", fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[[body]]
+name = "anvil"
+mass = 2.3
+inertia = [0.01, 0.02, 0.03]
+[[element]]
+name = "pad"
+type = "spring_damper"
+from = "ground"
+to = "anvil"
+stiffness = [7e3, 8e3, {}]
+rotational_stiffness = [20, 30, 40]
+)",
+                                                  stiffness));
+        return run_dttmm(folder.path(), {"static", "m.toml", "-o", "out"});
+    };
+    const char* const still = "out still has the results of ";
+    const Ended first = ended_with(0);
+    EXPECT_EQ(first.code, 4);
+    EXPECT_THAT(first.err, Not(HasSubstr(still)));
+    EXPECT_EQ(ended_with(900).code, 0);
+    const std::string before = read_text(folder / "out" / "static.csv");
+    const Ended second = ended_with(0);
+    EXPECT_EQ(second.code, 4);
+    EXPECT_THAT(second.err, HasSubstr(still));
+    EXPECT_EQ(read_text(folder / "out" / "static.csv"), before);
+}
+
 // Oracle: a spring that softens, k d − k3 d³, carries 2k/3 √(k/3k3) at most. Beyond it there is no equilibrium; the largest
 // share that has one is told to a 1024th of the load.
 TEST(Statics, ALoadAboveTheLimitIsNamed) {

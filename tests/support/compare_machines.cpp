@@ -2,7 +2,7 @@
 //
 // Runs random machines with two programs and tells how far their histories are apart. What rounding makes of a machine is
 // measured too: the other program runs it where it stands and 0.6 m beside. Stiff parts without damping ring by rounding.
-// With --hard parts are stiffer, and the programs may differ by what the other one errs: it runs at half the step, too.
+// With --hard parts are stiffer, and the programs may differ by what the first one errs: it runs at half the step, too.
 #include <fmt/format.h>
 #include <sys/wait.h>
 
@@ -107,16 +107,17 @@ int main(int argc, char** argv) {
         } else {
             ++both;
             const History history = read(folder / "other/history.csv");
-            const double apart = difference(read(folder / "one/history.csv"), history, first_row);
+            const History own = read(folder / "one/history.csv");
+            const double apart = difference(own, history, first_row);
             const bool runs_beside = run(argv[2], beside, folder / "beside") == 0;
             const double rounding = runs_beside ? difference(read(folder / "beside/history.csv"), history, first_row) : 0;
             ++decades[decade_of(apart)];
             ++of_place[decade_of(rounding)];
             if (apart <= std::max(tolerance, kSpread * rounding)) continue;
             const std::string half = fmt::format("--step {} --output-step {}", 0.5 * machine.step(), machine.step());
-            // Of second order: 4/3 of what half the step changes
-            const double error = is_hard && run(argv[2], model, folder / "half", half) == 0
-                                     ? 4.0 / 3 * difference(read(folder / "half/history.csv"), history, first_row)
+            // Of second order: 4/3 of what half the step changes. The first program knows the options
+            const double error = is_hard && run(argv[1], model, folder / "half", half) == 0
+                                     ? 4.0 / 3 * difference(read(folder / "half/history.csv"), own, first_row)
                                      : 0;
             if (apart <= error) {
                 ++within_error;

@@ -31,9 +31,10 @@ constexpr double kHidden = 16;
 /// Times √rounding: what rounding makes of spins with little inertia reaches so far as a rule, and times kHidden at most.
 /// Half: Trusses.ALoadedTrussOnBallJointsIsNotUnstable.
 constexpr double kNoise = 1024;
-/// Strain of a rigid-body mode, as share of λ where the count begins. More is a mode too slow to be counted. 8e-6:
+/// Strain of a rigid-body mode, as share of λ where the count begins. More is a mode too slow to be counted. Of 1000
+/// loaded trusses 78 are refused with 1e-4, 16 with 4e-4, 7 with 6e-4. 8e-6:
 /// Trusses.ALoadedTrussOnBallJointsIsNotUnstable; 2e-3: ModesAtRest.SlowGrowthIsSaid.
-constexpr double kStrain = 3e-4;
+constexpr double kStrain = 5e-4;
 /// The strain of more shapes is not looked at: that of 90 took 0.4 s.
 constexpr std::size_t kMostShapes = 40;
 

@@ -115,7 +115,6 @@ std::optional<double> SlowMotions::look_for_noise(double base, double far) {
 /// What strain makes of so many motions next to a shift; nothing: they cannot be distinguished.
 std::vector<SlowMotions::Strained> SlowMotions::look_at_slow(size_t count, double shift) {
     std::vector<FrameVector> shapes = inverse_.random_shapes(count);
-    if (inverse_.iterate(shapes, shift).empty()) return {};
     return iterate_slow(shapes, shift, true);
 }
 

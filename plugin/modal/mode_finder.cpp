@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/index.h"
+#include "core/rounding.h"
 #include "modal/search.h"
 #include "modal/shape_basis.h"
 
@@ -242,7 +243,7 @@ void ModeFinder::find_rigid(int count, double lowest) {
     const bool is_strained = strained > kStrain * least;
     // Where counts begin to hold above rounding, they do not say how slow is what they have below
     const bool may_be =
-        slow_.quiet() > std::sqrt(slow_.rounding()) && most > std::max(slow_.most_hidden(), kReported * lowest * lowest);
+        slow_.quiet() > std::sqrt(slow_.rounding()) && most > std::max(slow_.most_hidden(), kStrain * -shift);
     if (is_strained && !is_hidden) {
         // Growth is counted from that shift on. The strain is known to some parts of itself only
         const double slow = std::sqrt(strained), limit = std::max(slow, grows ? std::sqrt(-shift) : lowest);
@@ -322,7 +323,9 @@ bool ModeFinder::converge(Cluster& cluster) {
 /// The first frequencies of a group of near ones that count as equal.
 ModeFinder::Cluster ModeFinder::take_equal(Cluster& near) const {
     size_t count = 1;
-    const auto is_equal = [&](double a, double b) { return b <= a * (1 + 2 * kEqual) + kSplit * stiffness_.stiffest(); };
+    const auto is_equal = [&](double a, double b) {
+        return b <= a * (1 + 2 * kEqual) + kRoundingOfSums * stiffness_.stiffest();
+    };
     while (count < near.lambdas.size() && is_equal(near.lambdas[count - 1], near.lambdas[count])) ++count;
     const auto n = as_row(count);
     Cluster equal{{near.lambdas.begin(), near.lambdas.begin() + n},

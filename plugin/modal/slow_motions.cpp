@@ -25,14 +25,14 @@ size_t guards(size_t count) { return std::min(count, kMostShapes - std::min(coun
 
 double SlowMotions::rounding() const { return std::max(kRigidRounding * stiffness_.stiffest(), of_turning_); }
 
-double SlowMotions::most_hidden() const { return kHidden * rounding(); }
+double SlowMotions::most_hidden() const { return kWiden * kWiden * rounding(); }
 
 double SlowMotions::quiet() {
     if (quiet_) return *quiet_;
     find_rounding();
     quiet_ = std::sqrt(rounding());
     if (*quiet_ == 0) return 0;
-    for (const double far : {kNoise * *quiet_, kHidden * kNoise * *quiet_})
+    for (const double far : {kNoise * *quiet_, kWiden * kWiden * kNoise * *quiet_})
         if (const std::optional<double> found = look_for_noise(*quiet_, far)) return *(quiet_ = found);
     is_noisy_ = true;
     return *quiet_;
@@ -44,7 +44,7 @@ void SlowMotions::find_rounding() {
     const FrequencyModel& model = stiffness_.model();
     const double base = std::sqrt(rounding());
     const double most = kStrainRounding * model.stiffest_rotor();
-    if (base == 0 || most <= base * base || count(std::sqrt(kHidden * most)) == 0) return;  // nothing so slow has it
+    if (base == 0 || most <= base * base || count(kWiden * std::sqrt(most)) == 0) return;  // nothing so slow has it
     const double shift = -kFixed * base * base;
     const auto below = as_size(std::max(count(kNoise * base), 0));
     for (const size_t more : {guards(below), size_t{0}}) {

@@ -110,6 +110,61 @@ std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector
     return energies;
 }
 
+Eigen::MatrixXd strain_between(const DynamicStiffness& D, const std::vector<FrameVector>& shapes) {
+    const auto n = as_row(shapes.size());
+    Eigen::MatrixXd work = Eigen::MatrixXd::Zero(n, n);  // of the forces of one shape on the motion of another
+    using Motions = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+    Motions at[2] = {Motions::Zero(6, n), Motions::Zero(6, n)}, deformed(6, n), forces(6, n);
+    const auto gather = [&](int frame, Motions& motions) {
+        for (Eigen::Index k = 0; k < n; ++k)
+            motions.col(k) = frame < 0 ? Vector6(Vector6::Zero()) : shapes[as_size(k)][as_size(frame)];
+    };
+    const auto add = [&](const Motions& motions) { work.noalias() += motions.transpose().lazyProduct(forces); };
+    for (const Bond& bond : D.model().bonds) {
+        gather(bond.from, at[0]);
+        gather(bond.to, at[1]);
+        deformed.noalias() = bond.by_to.lazyProduct(at[1]);
+        deformed.noalias() -= bond.by_from.lazyProduct(at[0]);
+        if (!bond.turning) deformed = (bond.axes.transpose().lazyProduct(deformed)).eval();
+        if (bond.turning)
+            forces.noalias() = bond.stiffness.lazyProduct(deformed);
+        else
+            forces.noalias() = bond.springs.asDiagonal() * deformed;
+        add(deformed);
+        for (const int end : {0, 1}) {
+            if (!bond.turning || (end == 0 ? bond.from : bond.to) < 0) continue;
+            forces.noalias() = bond.turning->at[end][0].lazyProduct(at[0]);
+            forces.noalias() += bond.turning->at[end][1].lazyProduct(at[1]);
+            add(at[end]);
+        }
+    }
+    for (const FrequencyModel::Lever& lever : D.model().levers) {
+        gather(lever.frame, at[0]);
+        forces.noalias() = lever.stiffness.lazyProduct(at[0]);
+        add(at[0]);
+    }
+    Eigen::MatrixXd energy = 0.25 * (work + work.transpose());
+    std::vector<Vector12> ends(shapes.size());
+    for (const DynamicStiffness::Piece& piece : D.pieces()) {
+        const auto& [stiffness, mass] = D.waves(piece);
+        const auto energy_of = [&](const Vector12& motion) {
+            return strain_of(stiffness, D.lambda() * mass, motion, D.piece_length(D.line(piece))).energy;
+        };
+        std::vector<double> own;
+        for (size_t k = 0; k < shapes.size(); ++k) {
+            ends[k] = piece.ends(shapes[k]);
+            own.push_back(energy_of(ends[k]));
+            energy(as_row(k), as_row(k)) += own.back();
+            for (size_t i = 0; i < k; ++i) {
+                const double shared = 0.5 * (energy_of(ends[k] + ends[i]) - own[k] - own[i]);
+                energy(as_row(k), as_row(i)) += shared;
+                energy(as_row(i), as_row(k)) += shared;
+            }
+        }
+    }
+    return energy;
+}
+
 Strain sum(const std::vector<Strain>& strains) {
     Strain all;
     for (const Strain& strain : strains) all = {all.energy + strain.energy, all.unsure + strain.unsure};

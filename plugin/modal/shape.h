@@ -23,6 +23,9 @@ std::vector<Vector6> strain_by_direction(const FrequencyModel& model, const Fram
 /// Of every element.
 std::vector<Strain> strain_energies(const DynamicStiffness& D, const FrameVector& u);
 
+/// E of all elements [J]: a mix of shapes by c has the strain energy cᵀ E c.
+Eigen::MatrixXd strain_between(const DynamicStiffness& D, const std::vector<FrameVector>& shapes);
+
 /// Of all elements.
 Strain sum(const std::vector<Strain>& strains);
 

@@ -170,16 +170,7 @@ Eigen::MatrixXd SlowMotions::masses_of(const std::vector<FrameVector>& shapes) c
 /// Mixes shapes so that what nothing strains stands apart from what vibrates slowly. D cannot tell them apart: its rounding
 /// is that of the largest stiffness. Of shapes that say the same one is left.
 bool SlowMotions::part_by_strain(std::vector<FrameVector>& shapes) const {
-    const auto n = as_row(shapes.size());
-    const auto energy = [&](const FrameVector& shape) { return sum(strain_energies(stiffness_, shape)).energy; };
-    Eigen::MatrixXd strain(n, n);
-    for (Eigen::Index i = 0; i < n; ++i) strain(i, i) = energy(shapes[as_size(i)]);
-    for (Eigen::Index i = 0; i < n; ++i)
-        for (Eigen::Index j = 0; j < i; ++j) {
-            FrameVector both = shapes[as_size(i)];
-            for (size_t f = 0; f < both.size(); ++f) both[f] += shapes[as_size(j)][f];
-            strain(i, j) = strain(j, i) = 0.5 * (energy(both) - strain(i, i) - strain(j, j));
-        }
+    const Eigen::MatrixXd strain = strain_between(stiffness_, shapes);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> span(masses_of(shapes));
     if (span.info() != Eigen::Success || !span.eigenvectors().allFinite()) return false;
     const Eigen::Index rank = (span.eigenvalues().array() > kSameShape * span.eigenvalues().maxCoeff()).count();

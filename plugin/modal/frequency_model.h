@@ -158,8 +158,9 @@ struct FrequencyModel {
         Vector6 at_from = Vector6::Zero();      ///< the same at its `from` end, in the axes of that end
         Matrix3 axes = Matrix3::Identity();     ///< these, as columns in world
         Vector3 turned = Vector3::Zero();       ///< rotation of its `to` end in them [rad]
-        /// Of the loads along it that turn with it, their sums over a length like that at its start and at its end [N].
-        Vector6 turning = Vector6::Zero();
+        /// Of the loads along it, their sums over a length like that at its start and at its end [N]: of those that turn
+        /// with it, in its axes, and of the others, world axes.
+        Vector6 turning = Vector6::Zero(), steady = Vector6::Zero();
     };
     std::vector<RestingLine> resting;  ///< of every element of a machine at rest
 

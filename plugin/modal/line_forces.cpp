@@ -111,7 +111,7 @@ Vector6 LineForces::at(double share) const {
     const Vector6 &a = forces_[k], &b = forces_[k + 1];
     const Vector3 way = points_[k + 1] - points_[k], at_a = -way.cross(a.head<3>()), at_b = -way.cross(b.head<3>());
     Vector6 forces;
-    forces << u * a.head<3>() + t * b.head<3>(),
+    forces << u * a.head<3>() + t * b.head<3>() + 0.5 * t * u / (segments() * segments()) * rise(share),
         u * u * (1 + 2 * t) * a.tail<3>() + t * t * (1 + 2 * u) * b.tail<3>() + t * u * (u * at_a - t * at_b);
     return forces;
 }
@@ -122,13 +122,20 @@ Vector3 LineForces::mean_force(double from, double to) const {
     Vector3 sum = Vector3::Zero();  // of segments
     for (size_t k = first; k <= last; ++k) {
         const double a = k == first ? t_first : 0, b = k == last ? t_last : 1, middle = 0.5 * (a + b);
-        sum += (b - a) * ((1 - middle) * forces_[k] + middle * forces_[k + 1]).head<3>();
+        const auto bow = [](double t) { return t * t * (3 - 2 * t) / 12; };  // the integral of ½ t (1 − t)
+        sum += (b - a) * ((1 - middle) * forces_[k] + middle * forces_[k + 1]).head<3>() +
+               (bow(b) - bow(a)) / (segments() * segments()) * rise((static_cast<double>(k) + middle) / segments());
     }
     return sum / ((to - from) * segments());
 }
 
 Vector3 LineForces::turning_load(double share) const {
     return turning_.head<3>() + share * (turning_.tail<3>() - turning_.head<3>());
+}
+
+Vector3 LineForces::rise(double share) const {
+    const Vector3 turning = length() * (turning_.tail<3>() - turning_.head<3>());
+    return turning.isZero(0) ? rise_ : rise_ + sections_[place(share).first] * turning;
 }
 
 Matrix3 LineForces::falling_in(const Matrix3& axes, const Section& section) const {
@@ -156,7 +163,9 @@ int LineForces::pieces(const Section& section) const {
     const double bending = least_bending(section), length = this->length(), axial = mean_force().dot(chord),
                  along = M_PI * M_PI * bending / (length * length) + std::abs(axial),
                  across = bending * std::min(section.GJ, bending) / (length * length);
-    double varies = std::max(turning_.head<3>().norm(), turning_.tail<3>().norm()) * length / along, bends = 0;
+    const double rises = std::abs(rise(0.5).dot(chord)) / (8 * along);
+    double varies = std::max(std::max(turning_.head<3>().norm(), turning_.tail<3>().norm()) * length / along, rises),
+           bends = 0;
     for (size_t k = 0; k < forces_.size(); ++k) {
         const Vector6& station = forces_[k];
         const double share = static_cast<double>(k) / segments();
@@ -168,8 +177,11 @@ int LineForces::pieces(const Section& section) const {
     const double stiff = std::max(across, std::pow(along * length / (M_PI * M_PI), 2));  // of a taut wire by its tension
     if (varies <= kNothing && bends * across <= kNothing * stiff && bent <= kNothing) return 0;
     if (varies <= kShare && bends <= kShare && bent <= kShare) return 1;
-    const double wanted = std::max({2.0, std::pow(varies / kVaries, 0.25), std::sqrt(bends / kShare), bent / kBow});
-    return std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e6))), 1, segments());
+    const auto by = [&](double share) { return std::min(std::pow(share / kVaries, 0.25), 1e6); };
+    const double wanted = std::max({2.0, by(varies), std::sqrt(bends / kShare), bent / kBow});
+    // More than its segments help where a force is quadratic in each; between its points a bent line is not straight
+    const double more = bent <= kBow ? by(rises) : 0;
+    return static_cast<int>(std::ceil(std::max(more, std::min(wanted, static_cast<double>(segments())))));
 }
 
 /// By the integrals of the curvature, a polynomial. The ends of the piece lie on the axis.

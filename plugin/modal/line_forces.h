@@ -27,8 +27,8 @@ struct LineShapes {
 Matrix3 falling(const Vector3& weight, const Vector3& beside);
 
 /// A line at rest that its segments bend and load: where they meet, and the section forces there, [f; m] on the positive
-/// face, world axes. Between these points it is straight, f is linear, and m' = −e × f along it makes m a cubic. Places on
-/// it are shares of it: of equal segments, each of which has an equal share.
+/// face, world axes. Between these points it is straight, f is linear or, under loads that vary, quadratic, and m' = −e × f
+/// along it makes m a cubic. Places on it are shares of it: of equal segments, each of which has an equal share.
 class LineForces {
 public:
     /// points: from its start to its end, one more than segments [m]. turning: of the loads that turn with it, their force
@@ -37,6 +37,9 @@ public:
     LineForces(std::vector<Vector3> points, std::vector<Vector6> forces, const Vector6& turning, double factor = 1);
     /// Its weight per length [N/m, world axes], which acts on the mass axis of its section.
     void set_weight(const Vector3& weight) { weight_ = weight; }
+    /// By how much more the loads along it that keep their direction push at its end than at its start, its length times the
+    /// force per length [N, world axes].
+    void set_rise(const Vector3& rise) { rise_ = rise; }
     /// axes: of its segments, as columns in world. ends: the normals of its sections at its start and end, world.
     void set_sections(std::vector<Matrix3> axes, const std::array<Vector3, 2>& ends) {
         sections_ = std::move(axes);
@@ -54,10 +57,12 @@ public:
     const Vector6& last() const { return forces_.back(); }
     Vector3 mean_force(double from = 0, double to = 1) const;
     Vector3 turning_load(double share) const;
+    /// As set_rise(), of all its loads, where they act on a place [world axes].
+    Vector3 rise(double share) const;
     /// How far its points lie beside the line between its ends, as share of the radius of gyration of the section.
     double bend(const Section& section) const;
-    /// Into how many pieces the line is to be cut for frequencies of a relative error of 1e-6 and less. A bent one has its
-    /// segments at most. 0: only the axial force counts, and no piece needs stiffness().
+    /// Into how many pieces the line is to be cut for frequencies of a relative error of 1e-6 and less: its segments at
+    /// most, but for a straight one along which loads vary. 0: only the axial force counts, and no piece needs stiffness().
     int pieces(const Section& section) const;
 
     /// A piece of it that counts as straight, from share to share.
@@ -103,7 +108,7 @@ private:
     std::vector<Vector6> forces_;
     Vector6 turning_;
     double factor_;
-    Vector3 weight_ = Vector3::Zero();
+    Vector3 weight_ = Vector3::Zero(), rise_ = Vector3::Zero();
     std::vector<Matrix3> sections_;
     std::array<Vector3, 2> ends_;
 };

@@ -83,7 +83,9 @@ void RestingParts::find_lines() {
             }
             own.forces.push_back(forces);
         }
-        own.turning = (line.finish - line.start).norm() * turning_load(line.element);
+        const double length = (line.finish - line.start).norm();
+        own.turning = length * line_load(line.element, DTTMM_AXES_ELEMENT);
+        own.steady = length * line_load(line.element, DTTMM_AXES_WORLD);
         if (description_.lumped_beams || line.line.stretches_only) continue;
         own.share = forces_of(line).bend(line.line.section);
         own.is_lumped = own.share > kStraight;
@@ -95,17 +97,18 @@ LineForces RestingParts::forces_of(const LineSpec& line) const {
     LineForces forces(own.points, own.forces, Vector6::Zero());
     forces = {own.points, own.forces, own.turning / forces.length(), description_.rest->factor};
     forces.set_weight(line.line.section.mass * rest_.gravity);
+    forces.set_rise(own.steady.tail<3>() - own.steady.head<3>());
     forces.set_sections(own.axes_of_segments, own.ends);
     return forces;
 }
 
-/// Of the loads along a line that turn with it: force per length at its start and at its end, at the start of time.
-Vector6 RestingParts::turning_load(int element) const {
+/// Of the loads along a line in such axes: force per length at its start and at its end, at the start of time.
+Vector6 RestingParts::line_load(int element, uint32_t axes) const {
     const dttmm_network& network = *description_.network;
     const size_t on_nodes = rest_.loads.size() - network.line_load_count;
     Vector6 sum = Vector6::Zero();
     for (uint32_t k = 0; k < network.line_load_count; ++k)
-        if (as_int(network.line_loads[k].element) == element && network.line_loads[k].axes == DTTMM_AXES_ELEMENT)
+        if (as_int(network.line_loads[k].element) == element && network.line_loads[k].axes == axes)
             sum += rest_.loads[on_nodes + k];
     return sum;
 }

@@ -42,7 +42,7 @@ public:
     void add_lever(int element, int frame, const Vector3& point, const Vector3& force);
 
 private:
-    Vector6 turning_load(int element) const;
+    Vector6 line_load(int element, uint32_t axes) const;
 
     FrequencyModel& model_;
     const dttmm_modal_model& description_;

@@ -921,6 +921,75 @@ TEST(PreloadedModes, ARopeThatHangsUnderItsOwnWeight) {
     }
 }
 
+/// ω of a cantilever of unit length, mass and bending stiffness under an axial load from `first` at its root to `last` at
+/// its tip, per length: Ritz' method with x² to x¹³, by ∫ v''² + N v'² and ∫ v².
+Eigen::VectorXd pulled_cantilever(double first, double last) {
+    constexpr int kShapes = 12, kCells = 400;
+    constexpr double kPoint = 0.7745966692414834;  // Gauss' three
+    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(kShapes, kShapes), M = K;
+    for (int cell = 0; cell < kCells; ++cell)
+        for (const auto& [at, weight] : {std::pair(-kPoint, 5. / 18), std::pair(0., 4. / 9), std::pair(kPoint, 5. / 18)}) {
+            const double s = (cell + 0.5 + 0.5 * at) / kCells, x = 2 * s - 1;
+            // s² P(x), Legendre's polynomials and their derivatives by s
+            Eigen::MatrixXd P(3, kShapes), v(3, kShapes);
+            for (int k = 0; k < kShapes; ++k)
+                for (int d = 0; d < 3; ++d) {
+                    const double before = k > 0 ? P(d, k - 1) : 0, last_but_one = k > 1 ? P(d, k - 2) : 0,
+                                 lower = d > 0 && k > 0 ? 2 * d * P(d - 1, k - 1) : 0;
+                    P(d, k) = k == 0 ? (d == 0 ? 1 : 0) : ((2 * k - 1) * (x * before + lower) - (k - 1) * last_but_one) / k;
+                }
+            v.row(0) = s * s * P.row(0);
+            v.row(1) = 2 * s * P.row(0) + s * s * P.row(1);
+            v.row(2) = 2 * P.row(0) + 4 * s * P.row(1) + s * s * P.row(2);
+            const double N = first * (1 - s) + 0.5 * (last - first) * (1 - s * s), part = weight / kCells;
+            K += part * (v.row(2).transpose() * v.row(2) + N * v.row(1).transpose() * v.row(1));
+            M += part * v.row(0).transpose() * v.row(0);
+        }
+    return test::solve_pencil(K, M).values.cwiseSqrt();
+}
+
+// Oracle: Ritz' method, and for a blade whose root is on the axis of rotation the table of Wright, Smith, Thresher and Wang
+// (1982), J. Appl. Mech. 49. A blade that rotates is pulled by µ Ω² r along it; out of the plane of rotation that is all.
+TEST(PreloadedModes, ABladeThatRotates) {
+    constexpr double kLength = 1.7, kMass = 2.3, kEI = 640;  // kg/m, N m²
+    const double unit = std::sqrt(kEI / kMass) / (kLength * kLength);
+    const Eigen::VectorXd at_12 = pulled_cantilever(0, 144);
+    EXPECT_NEAR(at_12(0), 13.1702, 5e-5);
+    EXPECT_NEAR(at_12(1), 37.6031, 5e-5);
+    EXPECT_NEAR(at_12(2), 79.6145, 5e-5);
+    // Pressed, too
+    for (const auto& [first, last] : {std::pair(0., 144.), std::pair(16., 41.), std::pair(5., -8.), std::pair(0., -5.)})
+        for (const int segments : {1, 3, 10}) {
+            const Eigen::VectorXd expected = pulled_cantilever(first, last);
+            const double per_length = kEI / (kLength * kLength * kLength);
+            const auto found =
+                frequencies_of(modes_of(fmt::format(R"(format = "dttmm/1"
+[nodes]
+hub = {{ position = [0.4, -0.1, 0.3], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+tip = {{ position = [{:.17g}, {:.17g}, {:.17g}] }}
+[[element]]
+name = "blade"
+type = "beam"
+theory = "euler-bernoulli"
+from = "hub"
+to = "tip"
+segments = {}
+section = {{ EA = 1e11, EIy = {}, EIz = 1e6, GJ = 2e6, mass = {}, inertia = 1e-3 }}
+up = [0, 0, 1]
+[[load]]
+element = "blade"
+direction = [1, 2, -2]
+force_per_length = [{:.17g}, {:.17g}]
+)",
+                                                    0.4 + kLength / 3, -0.1 + 2 * kLength / 3, 0.3 - 2 * kLength / 3,
+                                                    segments, kEI, kMass, per_length * first, per_length * last),
+                                        {"--count", "2"}));
+            for (Eigen::Index k : {0, 1})
+                EXPECT_NEAR(found.at(static_cast<size_t>(k)) * 2 * M_PI, expected(k) * unit, 2e-6 * expected(k) * unit)
+                    << first << " " << last << ": " << segments << ", " << k;
+        }
+}
+
 // Oracle: a taut wire with stiffness between pins, f = n/(2 L) √(T/µ) √(1 + n² π² EI/(T L²)). Its weight bends it by up
 // to 1.1 of its radius of gyration, which is 3e-6 of its frequencies at most; its tension stretches it by 1.3e-3, T/EA.
 TEST(PreloadedModes, ATautWireThatItsWeightBends) {

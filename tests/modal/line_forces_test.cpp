@@ -55,6 +55,38 @@ Matrix12 under(double first, double last) {
     return stiffness({points(1), {a, b}, Vector6::Zero()}, slender());
 }
 
+// A load that rises along a line from 2 q/3 to 5 q/3. Oracle: N by hand, its mean by the sum of many places.
+TEST(LineForces, AForceIsQuadraticUnderALoadThatRises) {
+    constexpr double kLoad = 913;
+    const Vector3 way(2.0 / 3, -1.0 / 3, 2.0 / 3);  // of the line and of the load
+    const auto axial = [&](double s) { return kPiece * kLoad * (2.0 / 3 * (1 - s) + 0.5 * (1 - s * s)); };
+    for (const bool turns : {false, true})
+        for (const int segments : {1, 3}) {
+            std::vector<Vector3> places;
+            std::vector<Vector6> forces(static_cast<size_t>(segments) + 1, Vector6::Zero());
+            Matrix3 axes;
+            axes << way, Vector3(2, 2, -1) / 3, Vector3(-1, 2, 2) / 3;
+            for (int k = 0; k <= segments; ++k) {
+                const double s = static_cast<double>(k) / segments;
+                places.emplace_back(kPiece * s * way);
+                forces[static_cast<size_t>(k)].head<3>() = axial(s) * way;
+            }
+            Vector6 turning = Vector6::Zero();
+            turning(0) = turns ? kLoad * 2 / 3 : 0;
+            turning(3) = turns ? kLoad * 5 / 3 : 0;
+            LineForces line(places, forces, turning);
+            if (!turns) line.set_rise(kPiece * kLoad * way);
+            line.set_sections(std::vector<Matrix3>(static_cast<size_t>(segments), axes), {way, way});
+            for (const double s : {0.0, 0.17, 0.5, 0.81, 1.0})
+                EXPECT_NEAR((line.at(s).head<3>() - axial(s) * way).norm(), 0, 1e-12 * axial(0)) << s;
+            for (const auto& [from, to] : {std::pair(0.0, 1.0), std::pair(0.11, 0.93), std::pair(0.4, 0.5)}) {
+                double mean = 0;
+                for (int k = 0; k < 1000; ++k) mean += axial(from + (to - from) * (k + 0.5) / 1000) / 1000;
+                EXPECT_NEAR(line.mean_force(from, to).dot(way), mean, 1e-6 * axial(0)) << from;
+            }
+        }
+}
+
 // Oracle: the geometric stiffness of a beam with cubic deflections, ∫ N v'² ds, of a force N and of N (1 − s/L).
 TEST(LineForces, AxialForceMakesTheGeometricStiffness) {
     constexpr double kN = 913;
@@ -278,6 +310,15 @@ TEST(LineForces, PiecesByTheShareOfTheStiffness) {
     EXPECT_EQ(axial(1.59e-5), 2);
     EXPECT_EQ(axial(1.61e-5), 3);
     EXPECT_EQ(axial(0.3), 8) << "its segments at most";
+    const auto rising = [&](double share) {  // half-way farthest from linear
+        LineForces forces(points(8), std::vector<Vector6>(9, Vector6::Zero()), Vector6::Zero());
+        forces.set_rise(Vector3(8 * share * along, 0, 0));
+        return forces.pieces(section);
+    };
+    EXPECT_EQ(rising(0.9e-12), 0);
+    EXPECT_EQ(rising(1.1e-12), 1);
+    EXPECT_EQ(rising(1.59e-5), 2);
+    EXPECT_EQ(rising(9.9e-2), 18) << "more than its segments";
     for (const Eigen::Index moment : {3, 4, 5}) {
         const auto with = [&](double share) { return pieces(moment, [&](double) { return std::sqrt(share) * across; }); };
         const double softest = section.EIy / std::min(section.GJ, section.EIy);  // nothing is as share of bending alone

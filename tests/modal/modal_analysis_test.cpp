@@ -112,6 +112,40 @@ NetworkModel cluster() {
     return network;
 }
 
+/// A stiff and a soft oscillator of a kilogram each.
+NetworkModel two_oscillators(double stiff, double soft) {
+    NetworkModel network;
+    network.node("ground", DTTMM_NODE_GROUND, {0, 0, 0});
+    for (const auto& [name, stiffness] : {std::pair("a", stiff), std::pair("b", soft)}) {
+        network.node(name, DTTMM_NODE_INNER, {0.3, 0, 0}).fixed = 0b111110;
+        network.element(std::string("spring ") + name, "spring_damper", {"ground", name},
+                        {{"stiffness", {stiffness, 0, 0}}});
+        network.element(std::string("mass ") + name, "point_mass", {name}, {{"mass", {1}}});
+    }
+    return network;
+}
+
+// Oracle: √(k/m). What follows holds the limits between 0.8 and 1.25 times themselves: at half and at twice a line fails.
+TEST(ModalAnalysis, FrequenciesWithinTwoBillionthsCountAsEqual) {
+    for (const auto& [apart, multiplicity] : {std::pair(1.6e-9, 2u), std::pair(2.5e-9, 1u)}) {
+        const std::vector<dttmm_mode> modes = Machine(two_oscillators(5e4, 5e4 * (1 + apart) * (1 + apart))).find(2);
+        ASSERT_EQ(modes.size(), 2u);
+        EXPECT_EQ(modes[0].multiplicity, multiplicity) << apart;
+        for (const double k : {0., 1.})
+            EXPECT_NEAR(modes[static_cast<size_t>(k)].frequency, (1 + k * apart) * std::sqrt(5e4) / (2 * kPi), 1e-10) << k;
+    }
+}
+TEST(ModalAnalysis, ASlowVibrationIsFoundRefusedOrFree) {
+    const double stiffest = 5e4 / 2;  // over the whole mass
+    const auto slowest = [&](double share) {
+        return Machine(two_oscillators(5e4, share * stiffest)).find(1).front().frequency;
+    };
+    EXPECT_EQ(slowest(0.8e-16), 0) << "1e-4 of rounding";
+    EXPECT_THROW(slowest(1.25e-16), Error);
+    EXPECT_THROW(slowest(0.8e-12), Error);
+    EXPECT_NEAR(slowest(1.25e-12), std::sqrt(1.25e-12 * stiffest) / (2 * kPi), 1e-9) << "rounding is 1e-12";
+}
+
 // Oracle: Σ (φᵀ M r)²/φᵀ M φ over a whole basis is rᵀ M r, for every direction.
 TEST(ModalAnalysis, ParticipationOfAllModesIsWhole) {
     const NetworkModel network = cluster();

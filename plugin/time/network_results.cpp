@@ -248,7 +248,8 @@ Vector6 NetworkResults::section_forces(const Instant& instant, const ChainView& 
                                        int j) const {
     const JointState& state = mechanism_.states[as_size(j)];
     const Vector6 f = instant.force(as_size(j));
-    const Vector3 force = f.head<3>(), at_joint = f.tail<3>();
+    const Vector3 force = f.head<3>();
+    Vector3 at_joint = f.tail<3>();
     // In the joint's axes: from the section to where the joint acts; how the section is turned against these axes
     Vector3 way = 0.5 * state.d_before, turn = 0.5 * state.theta_before;
     if (j == joints.first) {
@@ -258,6 +259,10 @@ Vector6 NetworkResults::section_forces(const Instant& instant, const ChainView& 
         const double quarter = chain.rest.norm() / (4 * (joints.second - joints.first - 1));
         turn = state.theta_before;
         way = turned(turn, Vector3(-quarter, 0, 0));
+    } else {
+        // The curvature times the stiffness: of what the joint carries, a part balances its pull beside the bent axis
+        const double arm = 2 * mechanism_.joints[as_size(j)].law().line.bow;
+        at_joint.tail<2>() += arm * force.x() * state.theta_before.tail<2>();
     }
     Vector6 own;
     const Matrix3 to_section = rotation_from_vector(-turn);

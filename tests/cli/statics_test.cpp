@@ -2477,6 +2477,77 @@ moment = {5}
     EXPECT_GE(resolved, 8);
 }
 
+/// Bending moment at the middle of "line".
+double moment_at_middle(const std::string& text, int segments) {
+    const AtRest rest = rest_of(fmt::format("{}[output]\nchannels = [\"line.section{}.moment\"]\n", text, segments / 2));
+    const std::string name = fmt::format("line.section{}.moment.", segments / 2);
+    return std::hypot(rest.row.at(name + "y"), rest.row.at(name + "z"));
+}
+
+// Oracle: a wire that hangs has the curvature q/N at its lowest point, and EI times that is its moment. The moments that
+// balance segments far longer than √(EI/N) are ten times as large, and of the other sign.
+TEST(Statics, AWireThatHangsBendsByItsCurvature) {
+    constexpr double kLoad = 6.1, kEI = 98;
+    for (const int segments : {4, 10, 40}) {
+        const std::string text = fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [2.44, -1.83, -5.282754963085075]
+[nodes]
+a = {{ position = [0.3, -0.2, 0.1], fixed = ["x", "y", "z"] }}
+b = {{ position = [12.3, 15.8, 0.1], fixed = ["x", "y", "z"] }}
+[[element]]
+name = "line"
+type = "beam"
+theory = "euler-bernoulli"
+from = "a"
+to = "b"
+segments = {0}
+section = {{ EA = 1.5e7, EIy = {1}, EIz = {1}, GJ = 80, mass = 1, inertia = 1e-5 }}
+)",
+                                             segments, kEI);
+        const double expected = kEI * kLoad / rest_of(text).row.at("line.force.x");
+        EXPECT_NEAR(moment_at_middle(text, segments), expected, (segments == 4 ? 0.1 : 5e-3) * expected) << segments;
+    }
+}
+// Oracle: M/cos(k L/2) in the middle of a column between pins with a moment M at either end, k² = P/EI; cosh of a tie.
+TEST(Statics, MomentsOfPressedAndPulledBars) {
+    constexpr double kLength = 2.1, kEI = 9800, kMoment = 1.3;
+    for (const double share : {-0.8, -0.5, 0.5})
+        for (const int segments : {4, 10, 40}) {
+            const double pull = share * M_PI * M_PI * kEI / (kLength * kLength),
+                         half = 0.5 * std::sqrt(std::abs(pull) / kEI) * kLength,
+                         expected = kMoment / (pull < 0 ? std::cos(half) : std::cosh(half));
+            const double found = moment_at_middle(fmt::format(R"(format = "dttmm/1"
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "ry"] }}
+b = {{ position = [0, {0}, 0], fixed = ["x", "z"] }}
+[[element]]
+name = "line"
+type = "beam"
+theory = "euler-bernoulli"
+from = "a"
+to = "b"
+segments = {1}
+section = {{ EA = 2e10, EIy = {2}, EIz = {2}, GJ = 8000, mass = 1, inertia = 1e-3 }}
+[[load]]
+on = "b"
+direction = [0, 1, 0]
+force = {3:.17g}
+[[load]]
+on = "b"
+direction = [0.6, 0, 0.8]
+moment = {4}
+[[load]]
+on = "a"
+direction = [0.6, 0, 0.8]
+moment = -{4}
+)",
+                                                              kLength, segments, kEI, pull, kMoment),
+                                                  segments);
+            EXPECT_NEAR(found, expected, 0.4 / (segments * segments) * expected) << share << ": " << segments;
+        }
+}
+
 /// Oracle: a truss of two bars, rise h: P = 2 k (L₀/L − 1) z with z the height of its top, L² = a² + z², is largest at L³ =
 /// a² L₀. Above that the top snaps through. A correction may jump over what is unstable without leading uphill: 180, 300 and
 /// 5000 N did so without a word. A preloaded spring elsewhere moves before any load does, and hid it.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,12 +14,8 @@ struct CriticalLoad {
     double factor;  ///< 0: a motion that nothing but the forces acts on grows however small they are
     /// Share of it by which rounding and forces that do not balance may change it at most; none: not known.
     std::optional<double> uncertainty;
-    /// With a half or a third of the segments in every beam, the farther; none: not known.
-    std::optional<double> coarser = std::nullopt;
-    /// Share of it that the segments leave, at most.
-    std::optional<double> segment_error() const {
-        return coarser && factor > 0 ? std::optional(std::abs(*coarser / factor - 1)) : std::nullopt;
-    }
+    /// Share of it that the segments of beams leave, at most; none: not known.
+    std::optional<double> segment_error = std::nullopt;
 };
 
 /// Ascending, and how far they were looked for.

@@ -259,16 +259,20 @@ std::optional<size_t> segments_at(const dttmm_element_type& type) {
     return std::nullopt;
 }
 
-/// False: no element has more than one.
-bool divide_segments(Model& model, const ElementCatalogue& catalogue, int by) {
-    bool is_coarser = false;
+/// Where there are fewer segments, a half and a third of them are as coarse and may tell nothing.
+constexpr double kFewSegments = 4;
+
+/// Changes the segments of the elements that have few, or of the others; false: there are none.
+bool change_segments(Model& model, const ElementCatalogue& catalogue, bool few, double times) {
+    bool changes = false;
     for (Element& element : model.elements)
-        if (const auto at = segments_at(*catalogue.types[as_size(element.type)]); at && element.values[*at] > 1) {
+        if (const auto at = segments_at(*catalogue.types[as_size(element.type)]);
+            at && (element.values[*at] < kFewSegments) == few) {
             double& segments = element.values.change()[*at];
-            segments = std::max(std::floor(segments / by), 1.0);
-            is_coarser = true;
+            segments = std::max(std::floor(times * segments + 0.5), 1.0);
+            changes = true;
         }
-    return is_coarser;
+    return changes;
 }
 
 /// A machine at rest under the loads of one case, or under all.
@@ -361,23 +365,41 @@ std::unique_ptr<Simulation> bring_to_rest(const Model& model, const Plugins& plu
     }
 }
 
-/// The factors with half and with a third of the segments, the farther of both: moments and torsion along beams count by
-/// their segments, and the enclosure of a factor does not know it. Of a few segments two numbers may agree by chance.
-void find_coarser(const Model& model, const Plugins& plugins, std::vector<CriticalLoad>& factors) {
-    for (const int by : {2, 3}) try {
-            Model coarse = model;
-            if (factors.empty() || !divide_segments(coarse, plugins.catalogue(), by)) return;
-            const std::unique_ptr<Simulation> resting = bring_to_rest(coarse, plugins);
-            ModalDescription description(coarse, plugins, {&resting->networks(), &resting->equilibrium(), *resting->rest()});
+/// By how much so many times the segments change each factor, the most of several, as share of it; none: not known.
+std::vector<std::optional<double>> changes_by_segments(const Model& model, const Plugins& plugins,
+                                                       const std::vector<CriticalLoad>& factors, bool few,
+                                                       std::initializer_list<double> all_times) {
+    std::vector<std::optional<double>> changes(factors.size());
+    for (const double times : all_times) try {
+            Model other = model;
+            if (!change_segments(other, plugins.catalogue(), few, times))
+                return std::vector(factors.size(), std::optional(0.0));
+            const std::unique_ptr<Simulation> resting = bring_to_rest(other, plugins);
+            ModalDescription description(other, plugins, {&resting->networks(), &resting->equilibrium(), *resting->rest()});
             const CriticalLoads found = find_critical_loads(std::move(description), as_int(factors.size()));
             for (size_t k = 0; k < std::min(factors.size(), found.factors.size()); ++k) {
-                CriticalLoad& own = factors[k];
-                const double other = found.factors[k].factor;
-                if (!own.coarser || std::abs(other - own.factor) > std::abs(*own.coarser - own.factor)) own.coarser = other;
+                if (factors[k].factor == 0) continue;
+                const double change = std::abs(found.factors[k].factor / factors[k].factor - 1),
+                             left = times > 1 ? change / (1 - 1 / times) : change;
+                changes[k] = std::max(changes[k].value_or(0), left);
             }
         } catch (const Error& error) {
             if (error.code() == ExitCode::plugin_failure || error.code() == ExitCode::internal_error) throw;
         }
+    return changes;
+}
+
+/// Moments and torsion along beams count by their segments, and the enclosure of a factor does not know it. The error falls
+/// with the square of their number, of few at least as their number. Two numbers may agree by chance: hence two.
+void find_segment_errors(const Model& model, const Plugins& plugins, std::vector<CriticalLoad>& factors) {
+    const bool are_there = std::ranges::any_of(model.elements, [&](const Element& element) {
+        return segments_at(*plugins.catalogue().types[as_size(element.type)]).has_value();
+    });
+    if (factors.empty() || !are_there) return;
+    const auto of_many = changes_by_segments(model, plugins, factors, false, {1. / 2, 1. / 3}),
+               of_few = changes_by_segments(model, plugins, factors, true, {1 / kFewSegments, 4});
+    for (size_t k = 0; k < factors.size(); ++k)
+        if (of_many[k] && of_few[k]) factors[k].segment_error = *of_many[k] + *of_few[k];
 }
 
 /// Counts motions that grow, names those that nothing holds, and finds load factors where they are asked for.
@@ -412,7 +434,7 @@ void look_at_stability(const Request& request, const Model& model, const Plugins
     if (request.statics.buckling > 0) found.critical = find_critical_loads(describe(), request.statics.buckling);
     for (CriticalLoad& load : found.critical.factors)
         if (load.uncertainty) *load.uncertainty += found.rest.unbalanced();
-    find_coarser(model, plugins, found.critical.factors);
+    find_segment_errors(model, plugins, found.critical.factors);
     note_free_at_one(found, warnings);
     note_beyond_limit(found, resting.channels(), warnings);
 }
@@ -613,7 +635,7 @@ void write_summary(JsonWriter& json, const Results& results, const Model& model,
         for (const CriticalLoad& load : found.critical.factors) {
             factors.push_back(load.factor);
             uncertainties.push_back(or_null(load.uncertainty));
-            segment_errors.push_back(or_null(load.segment_error()));
+            segment_errors.push_back(or_null(load.segment_error));
         }
         member("critical_load_factors", factors);
         member("critical_load_uncertainties", uncertainties);
@@ -672,16 +694,17 @@ void warn_of_rounding(const std::vector<CriticalLoad>& factors, const std::strin
 }
 
 /// Says which critical load the segments of beams change most.
-void note_coarser(const std::vector<CriticalLoad>& factors, const std::string& place, Warnings& warnings) {
+void note_segments(const std::vector<CriticalLoad>& factors, const std::string& place, Warnings& warnings) {
     constexpr double kShown = 1e-6;
-    const auto error = [](const CriticalLoad& load) { return load.segment_error().value_or(0); };
+    const auto error = [](const CriticalLoad& load) { return load.segment_error.value_or(0); };
     const auto worst = std::ranges::max_element(factors, {}, error);
     if (worst == factors.end() || error(*worst) <= kShown) return;
     warnings.note(
         "critical-load-segments",
-        fmt::format("{}with fewer segments in its beams, a half or a third, the critical load factor {:.6g} is {:.6g}: "
-                    "these segments leave an error of less than about {:.1g} of it; more of them come nearer",
-                    place, worst->factor, *worst->coarser, error(*worst)));
+        fmt::format("{}the segments of its beams leave an error of less than about {:.1g} of the critical load factor "
+                    "{:.6g}: so much do others change it, a half or a third; one and four times as many where there are "
+                    "fewer than four. More of them come nearer",
+                    place, error(*worst), worst->factor));
 }
 
 std::string growing_of(const Found& found) {
@@ -715,7 +738,7 @@ void warn_of(const Found& found, const Results& results, Warnings& warnings) {
         warnings.note("free-motion-unknown",
                       fmt::format("{}it is not known what nothing holds: {}", place, found.why_free_unknown));
     warn_of_rounding(found.critical.factors, place, warnings);
-    note_coarser(found.critical.factors, place, warnings);
+    note_segments(found.critical.factors, place, warnings);
     if (!found.why_not_counted.empty())
         warnings.note("stability-unknown",
                       fmt::format("{}it is not known whether the equilibrium is stable: {}", place, found.why_not_counted));

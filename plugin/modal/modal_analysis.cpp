@@ -128,7 +128,7 @@ void ModalAnalysis::strain_directions(uint32_t index, double* shares) {
     const std::vector<Vector6> energies = strain_by_direction(model_, mode.shape);
     for (size_t e = 0; e < energies.size(); ++e) {
         const double sum = energies[e].sum();
-        Eigen::Map<Vector6>{shares + 6 * e} = sum > 0 ? Vector6(mode.shares[e] / sum * energies[e]) : Vector6::Zero();
+        Eigen::Map<Vector6>{shares + 6 * e} = sum > 0 ? Vector6(mode.shares[e] * (energies[e] / sum)) : Vector6::Zero();
     }
 }
 

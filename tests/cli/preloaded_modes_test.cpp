@@ -921,6 +921,37 @@ TEST(PreloadedModes, ARopeThatHangsUnderItsOwnWeight) {
     }
 }
 
+// Oracle: √(g/(L + m g/k)) and √(k/m). The spring's stiffness has next to no part in a swing: its shares by direction were
+// infinite.
+TEST(PreloadedModes, ABodySwingsOnALongSpring) {
+    for (const auto& [length, mass, stiffness] : {std::tuple(30., 5., 1e5), std::tuple(2.1, 0.33, 9.5e4)}) {
+        const auto found = frequencies_of(modes_of(fmt::format(R"(format = "dttmm/1"
+[simulation]
+gravity = [0, 0, -9.81]
+[nodes]
+top = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx", "ry", "rz"] }}
+[[body]]
+name = "a"
+mass = {1}
+inertia = [{1}, {1}, {1}]
+position = [0, 0, -{0}]
+[[element]]
+name = "s"
+type = "axial_spring"
+from = "top"
+to = "a"
+stiffness = {2}
+)",
+                                                               length, mass, stiffness),
+                                                   {"--count", "6"}));
+        const double swing = std::sqrt(9.81 / (length + mass * 9.81 / stiffness)) / (2 * M_PI);
+        ASSERT_EQ(found.size(), 6u);
+        for (const size_t k : {0u, 1u, 2u}) EXPECT_EQ(found[k], 0);
+        for (const size_t k : {3u, 4u}) EXPECT_NEAR(found[k], swing, 1e-7 * swing);
+        EXPECT_NEAR(found[5], std::sqrt(stiffness / mass) / (2 * M_PI), 1e-8 * found[5]);
+    }
+}
+
 /// ω of a cantilever of unit length, mass and bending stiffness under an axial load from `first` at its root to `last` at
 /// its tip, per length: Ritz' method with x² to x¹³, by ∫ v''² + N v'² and ∫ v².
 Eigen::VectorXd pulled_cantilever(double first, double last) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/statics.h"
+#include "analysis/line_loads.h"
 
 #include <fmt/format.h>
 
@@ -17,6 +18,7 @@
 #include "analysis/critical_loads.h"
 #include "analysis/free_motions.h"
 #include "analysis/law_limits.h"
+#include "analysis/line_loads.h"
 #include "analysis/modal_session.h"
 #include "analysis/stop_signals.h"
 #include "analysis/summary.h"
@@ -251,14 +253,6 @@ void print_buckling(const CriticalLoads& loads, int wanted) {
                                                 : fmt::format(" (there are no more up to {})", up_to));
 }
 
-/// Where the values of an element say how many segments it is divided into; nothing: it is not.
-std::optional<size_t> segments_at(const dttmm_element_type& type) {
-    size_t value = 0;
-    for (uint32_t p = 0; p < type.parameter_count; value += type.parameters[p++].count)
-        if (std::string_view(type.parameters[p].name) == "segments") return value;
-    return std::nullopt;
-}
-
 /// Where there are fewer segments, a half and a third of them are as coarse and may tell nothing.
 constexpr double kFewSegments = 4;
 
@@ -287,6 +281,7 @@ struct Found {
     std::string why_free_unknown;                ///< empty: the plugin does not tell
     CriticalLoads critical;
     std::vector<Limit> limits;
+    std::map<size_t, LineLoads> line_loads;  ///< by element
 };
 
 /// A load case without an equilibrium.
@@ -458,6 +453,7 @@ Found find_one(const Request& request, const Model& model, const Plugins& plugin
         found.load_case = load_case->name;
     }
     hold(held, time);
+    found.line_loads = find_line_loads(held, plugins.catalogue(), time);
     const std::unique_ptr<Simulation> resting = bring_to_rest(held, plugins);
     Simulation& simulation = *resting;
     simulation.record_to([&](std::span<const double> numbers) {
@@ -554,17 +550,35 @@ std::string members_of(const Results& results, const Model& model, const Section
     return all.empty() ? std::string() : table.text();
 }
 
-/// Loads along a beam act at the middles of its segments, of length h: moments err by up to q h²/24.
+/// Loads along a beam act at the middles of its segments, of length h: moments err by up to q h²/24, q where it is largest.
 void note_line_loads(const Results& results, const Model& model, const SectionsOf& all, const ElementCatalogue& catalogue,
                      Warnings& warnings) {
-    constexpr double kShown = 1e-3;  // of the largest moment along the element
-    struct {
-        double error = 0, share = 0, segments = 0;
+    constexpr double kShown = 1e-3;  // of the largest along the element
+    struct Worst {
+        double error = 0, largest = 0, segments = 0;
         const Element* element = nullptr;
         const Found* found = nullptr;
-    } worst;
-    size_t count = 0;
-    for (const Element& element : model.elements) {
+        size_t count = 0;
+
+        void take(const Worst& other) {
+            if (other.error <= kShown * other.largest) return;
+            const size_t number = count + (element != other.element);
+            if (other.error > error) *this = other;
+            count = number;
+        }
+        std::string text(const char* what, const char* unit, const char* where) const {
+            return fmt::format(
+                "{}element {}: loads along it act at {}, and {} err by up to about {:.2g} {}, {} its largest, where {}{}. "
+                "With "
+                "twice as many it is a fourth",
+                found->load_case.empty() ? "" : fmt::format("case {}: ", quote(found->load_case)), quote(element->name),
+                segments > 1 ? fmt::format("the middles of its {:g} segments", segments) : "the middle of its only segment",
+                what, error, unit, error < largest ? fmt::format("{:.1g} of", error / largest) : "more than", where,
+                count > 1 ? fmt::format(", and in {} more less", count - 1) : "");
+        }
+    } moments, forces;
+    for (size_t e = 0; e < model.elements.size(); ++e) {
+        const Element& element = model.elements[e];
         const auto value = segments_at(*catalogue.types[as_size(element.type)]);
         const auto own = all.find(element.name);
         if (!value || own == all.end() || own->second.count < 2) continue;
@@ -572,28 +586,26 @@ void note_line_loads(const Results& results, const Model& model, const SectionsO
         const auto& [first, sections, stride] = own->second;
         const double length =
             (frame_at_start(model, element.ends[1]).position - frame_at_start(model, element.ends[0]).position).norm();
-        bool is_shown = false;
         for (const Found& found : results.cases) {
             const auto at = [&](size_t section, size_t i) { return found.row[first + section * stride + i]; };
-            double largest = 0;
-            for (size_t k = 0; k < sections; ++k) largest = std::max(largest, std::hypot(at(k, 4), at(k, 5)));
-            const double load = std::hypot(at(sections - 1, 1) - at(0, 1), at(sections - 1, 2) - at(0, 2)),
-                         error = load * length / (24 * segments * segments);
-            if (error <= kShown * largest || load <= found.rest.residual) continue;
-            is_shown = true;
-            if (error > worst.error) worst = {error, error / largest, segments, &element, &found};
+            double moment = 0, force = 0;
+            for (size_t k = 0; k < sections; ++k) {
+                moment = std::max(moment, std::hypot(at(k, 4), at(k, 5)));
+                force = std::max(force, std::abs(at(k, 0)));
+            }
+            const auto loads = found.line_loads.find(e);
+            const LineLoads along = loads == found.line_loads.end() ? LineLoads{} : loads->second;
+            const double carried = std::hypot(at(sections - 1, 1) - at(0, 1), at(sections - 1, 2) - at(0, 2)),
+                         weight = carried > found.rest.residual ? std::max(carried / length - along.mean, 0.0) : 0,
+                         error = (along.across + weight) * length * length / (24 * segments * segments);
+            moments.take({error, moment, segments, &element, &found});
+            if (along.rise > 0) forces.take({along.error_of_force(), force, segments, &element, &found});
         }
-        count += is_shown;
     }
-    if (count == 0) return;
-    warnings.note(
-        "line-load-segments",
-        fmt::format("{}element {}: loads along it act at the middles of its {:g} segments, and moments err by up to "
-                    "about {:.2g} N*m, {:.1g} of its largest, where it is not held statically determinately{}. With "
-                    "twice as many it is a fourth",
-                    worst.found->load_case.empty() ? "" : fmt::format("case {}: ", quote(worst.found->load_case)),
-                    quote(worst.element->name), worst.segments, worst.error, worst.share,
-                    count > 1 ? fmt::format(", and in {} more less", count - 1) : ""));
+    if (moments.count > 0)
+        warnings.note("line-load-segments", moments.text("moments", "N*m", "it is not held statically determinately"));
+    if (forces.count > 0)
+        warnings.note("line-load-segments", forces.text("axial forces", "N", "both its ends are held along it"));
 }
 
 /// A section that is given by stiffnesses has no outermost fibre.

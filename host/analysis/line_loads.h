@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+
+#include "model/element_catalogue.h"
+#include "model/model.h"
+
+namespace dttmm::host {
+
+/// Where the values of an element say how many segments it is divided into; nothing: it is not.
+std::optional<size_t> segments_at(const dttmm_element_type& type);
+
+/// The forces per length along a divided element, all together. They act at the middles of its segments. That errs where it
+/// is not held statically determinately, by twice as many segments a fourth as much.
+struct LineLoads {
+    double length = 0;  ///< [m]
+    double segments = 0;
+    double across = 0, mean = 0;  ///< the largest across it, at one of its ends, and in the mean [N/m]
+    double rise = 0;              ///< by how much more pushes along it at one end than at the other [N/m]
+
+    /// Of axial forces, at most: the forces in the half segments at its ends are those of the ends [N].
+    double error_of_force() const { return rise * length / (12 * segments * segments); }
+};
+
+/// By element, at a time [s].
+std::map<size_t, LineLoads> find_line_loads(const Model& model, const ElementCatalogue& catalogue, double time);
+
+}  // namespace dttmm::host

@@ -61,6 +61,8 @@ public:
     Vector3 rise(double share) const;
     /// How far its points lie beside the line between its ends, as share of the radius of gyration of the section.
     double bend(const Section& section) const;
+    /// The same within one of its segments, by what its moments make of a straight one: so much no point shows.
+    double bend_between(const Section& section) const;
     /// Into how many pieces the line is to be cut for frequencies of a relative error of 1e-6 and less: its segments at
     /// most, but for a straight one along which loads vary. 0: only the axial force counts, and no piece needs stiffness().
     int pieces(const Section& section) const;

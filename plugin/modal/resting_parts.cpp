@@ -53,12 +53,15 @@ void RestingParts::find_lines() {
             // ends.
             Matrix3 axes = pose.axes;
             Vector3 point = from.position + pose.arm;
+            Vector6 forces = both(pose.axes) * (links[k].force + links[k].rigid);
             if (joint.is_line()) {
                 const Vector6 x = joint.deformation(pose, at_from, at_to);
                 axes = pose.axes * rotation_from_vector<double>(0.5 * x.tail<3>());
-                point -= 0.5 * pose.axes * x.head<3>();
+                const Vector3 half = 0.5 * pose.axes * x.head<3>();
+                point -= half;
+                forces = both(pose.axes) * (joint.spread(x, links[k].force) + links[k].rigid);
+                forces.tail<3>() += half.cross(Vector3(forces.head<3>()));
             }
-            Vector6 forces = both(axes) * (links[k].force + links[k].rigid);
             const auto move_to = [&](const Vector3& end) {
                 forces.tail<3>() += (point - end).cross(Vector3(forces.head<3>()));
                 point = end;
@@ -70,9 +73,8 @@ void RestingParts::find_lines() {
                 own.at_from = both(own.axes.transpose()) * forces;
             } else {
                 if (k + 1 < links.size()) {
-                    const Vector6 local = both(axes.transpose()) * forces;
                     const double step = (line.finish - line.start).norm() / static_cast<double>(links.size() - 1);
-                    move_to(point + axes * beside_joint(local, step, line.line.section, description_.rest->factor));
+                    move_to(point + axes * beside_joint(links[k].force, step, line.line.section, description_.rest->factor));
                 } else {
                     move_to(links[k].to.point(line.finish));
                     own.ends[1] = links[k].to.turn * line.line.axes.col(0);
@@ -87,8 +89,10 @@ void RestingParts::find_lines() {
         own.turning = length * line_load(line.element, DTTMM_AXES_ELEMENT);
         own.steady = length * line_load(line.element, DTTMM_AXES_WORLD);
         if (description_.lumped_beams || line.line.stretches_only) continue;
-        own.share = forces_of(line).bend(line.line.section);
+        const LineForces forces = forces_of(line);
+        own.share = forces.bend(line.line.section);
         own.is_lumped = own.share > kStraight;
+        own.share = std::max(own.share, forces.bend_between(line.line.section));
     }
 }
 

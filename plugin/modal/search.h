@@ -6,18 +6,18 @@
 namespace dttmm::plugin {
 
 // All that decides how natural frequencies are searched and what counts as found. Tests that fail at half or at twice, or
-// farther out, are named; where none is, those of modal/ and 36 of the commands about modes and rest pass at both, but for
-// kWidestBracket and kWidestAtRest, which were not varied.
+// farther out, are named. Where none is, those of modal/ and 107 of the commands about modes and rest pass at both.
 
 /// From one frequency of a search to the next, and of brackets; what lies within one such step of rounding, as ω, is hidden
-/// by it where forces at rest balance to some digits only. Half: NearlyEqualFrequenciesOfABeamAreAsNearAsOthers.
+/// by it where forces at rest balance to some digits only. Half: NearlyEqualFrequenciesOfABeamAreAsNearAsOthers; twice:
+/// ModesAtRest.SlowGrowthIsSaid.
 constexpr double kWiden = 4;
 /// Times −ω²: a shift at which what is slower than ω counts as held.
 constexpr double kFixed = kWiden;
 /// high/low of an interval in whose middle the shapes of its modes are looked for. Also between two frequencies that count
-/// as apart. 1.05 none fails; 2.1: ABeamBetweenTwoPointsOfOneRigidBody.
+/// as apart. 2.1: ABeamBetweenTwoPointsOfOneRigidBody.
 constexpr double kNarrow = 1.3;
-/// Rounds of inverse iteration with one factor.
+/// Rounds of inverse iteration with one factor. 3: NearlyEqualFrequenciesOfABeamAreAsNearAsOthers.
 constexpr int kRounds = 5;
 /// Frequencies so near each other count as equal. Half, twice: FrequenciesWithinTwoBillionthsCountAsEqual.
 constexpr double kEqual = 2e-9;
@@ -32,7 +32,7 @@ constexpr double kSameShape = 1e-6;
 /// ASlowVibrationIsFoundRefusedOrFree. Of results it changes: 8e-14: ASlowSpringIsNoRigidBodyMode; 4e-12: SlowGrowthIsSaid.
 constexpr double kRigidRounding = 1e-12;
 /// Times √rounding: what rounding makes of spins with little inertia reaches so far as a rule, and two steps of the search
-/// farther at most. Half: Trusses.ALoadedTrussOnBallJointsIsNotUnstable.
+/// farther at most. Half, twice: PreloadedModes.ATieThatPressesAFreeTube.
 constexpr double kNoise = 1024;
 /// Strain of a rigid-body mode, as share of λ where the count begins. More is a mode too slow to be counted. Strain that is
 /// larger than such a share of the shift is reported: with a quarter of it, 63 more of 1000 loaded trusses are. With 4e-4

@@ -222,10 +222,15 @@ std::optional<DampedModes> damped_of(const Request& request, const Plugins& plug
 
 void print_proof(const std::vector<Mode>& modes, const ResultsFolder& folder) {
     double widest = 0;
+    bool are_slow = false;  // some that are listed with 0 Hz
     for (const Mode& mode : modes)
-        if (mode.numbers.frequency != 0) widest = std::max(widest, mode.numbers.bracket);
-    fmt::print("counted and complete{}; results in {}\n",
-               modes.empty() ? "" : fmt::format(", each within {:.1e} of itself", widest), folder.describe());
+        if (mode.numbers.frequency != 0)
+            widest = std::max(widest, mode.numbers.bracket);
+        else
+            are_slow = are_slow || mode.numbers.bracket > 0;
+    fmt::print("counted and complete{}{}; results in {}\n",
+               widest > 0 ? fmt::format(", each within {:.1e} of itself", widest) : "",
+               are_slow ? ", but for what 0 Hz stands for" : "", folder.describe());
 }
 
 }  // namespace

@@ -57,6 +57,8 @@ force = {}
             const size_t at = ended.err.find("at up to ");
             if (at == std::string::npos) continue;
             ++hidden;
+            EXPECT_THAT(ended.out, HasSubstr("counted and complete")) << below;
+            EXPECT_THAT(ended.out, HasSubstr(", but for what 0 Hz stands for; results in")) << below;
             const double bound = std::stod(ended.err.substr(at + 9));
             // The first frequency of the bar without its load, as slow as the distance from Euler's load makes it
             const double first = 1.8751 * 1.8751 / (2 * M_PI * kLength * kLength) * std::sqrt(kEI / 2);

@@ -212,8 +212,8 @@ struct NumberAndUnit {
     std::string_view unit;  ///< empty for a plain number
 };
 
-/// Splits "500 N/mm" and "500N/mm".
-NumberAndUnit split_quantity(std::string_view text) {
+/// Splits "500 N/mm" and "500N/mm". wanted: as of read_unit().
+NumberAndUnit split_quantity(std::string_view text, std::string_view wanted = {}) {
     std::string_view rest = trimmed(text);
     if (rest.empty()) fail("expected a number, got an empty text");
     if (rest.size() > 200) fail(fmt::format("expected a number with a unit, got a text of {} bytes", rest.size()));
@@ -222,7 +222,10 @@ NumberAndUnit split_quantity(std::string_view text) {
     const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
     if (error == std::errc::result_out_of_range)
         fail(fmt::format("the number in {} is out of range: it must lie within 1e-307 and 1e308", quote(text)));
-    if (error != std::errc()) fail(fmt::format("expected a number with a unit, e.g. \"20 mm\", got {}", quote(text)));
+    if (error != std::errc())
+        fail(fmt::format("expected a number{}, got {}",
+                         wanted == "1" ? "" : fmt::format(" with a unit, e.g. \"20 {}\"", wanted.empty() ? "mm" : wanted),
+                         quote(text)));
     if (!std::isfinite(number)) fail(fmt::format("{} is not finite", quote(text)));
     rest.remove_prefix(as_size(end - rest.data()));
     if (rest.size() > 1 && rest[0] == ',' && is_digit(rest[1]))
@@ -256,7 +259,7 @@ Quantity parse_quantity(std::string_view text) {
 }
 
 double parse_quantity(std::string_view text, std::string_view wanted) {
-    const auto [number, unit_text] = split_quantity(text);
+    const auto [number, unit_text] = split_quantity(text, wanted);
     if (unit_text.empty()) return number;
     const Unit unit = read_unit(unit_text, text, wanted);
     if (!measures(unit_text, wanted))

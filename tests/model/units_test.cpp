@@ -93,6 +93,12 @@ TEST(Units, UnknownUnitIsNamed) {
                 1e-5);  // a unit after all, of the US survey foot: 2e-6
 }
 
+TEST(Units, WhatIsNoNumberIsToldWhatIsWanted) {
+    EXPECT_EQ(unit_fault("x", "N/m"), "expected a number with a unit, e.g. \"20 N/m\", got \"x\"");
+    EXPECT_EQ(unit_fault("x", "1"), "expected a number, got \"x\"");
+    EXPECT_EQ(error_of([] { parse_quantity("x"); }), "expected a number with a unit, e.g. \"20 mm\", got \"x\"");
+}
+
 TEST(Units, OnlyUnitsThatMultiplyPass) {
     for (const char* text :
          {"20 degC", "3 lg(re 1 mW)", "5 seconds since 2000-01-01", "5 m @ 3", "5 2 m", "5 -3 m", "5 .1 m", "5 +m"})

@@ -13,8 +13,8 @@ namespace dttmm::host {
 /// Where the values of an element say how many segments it is divided into; nothing: it is not.
 std::optional<size_t> segments_at(const dttmm_element_type& type);
 
-/// The forces per length along a divided element, all together. They act at the middles of its segments. That errs where it
-/// is not held statically determinately, by twice as many segments a fourth as much.
+/// The forces per length along a divided element, all together. They act at the middles of its segments. Where it is not
+/// held statically determinately, forces err by that: a fourth as much with twice as many.
 struct LineLoads {
     double length = 0;  ///< [m]
     double segments = 0;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "analysis/statics.h"
-#include "analysis/line_loads.h"
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -501,18 +501,24 @@ std::string rows_of(const Results& results) {
 }
 
 /// Where the sections of a beam or rod stand among the channels: force and moment of each, then its stress if it is known.
+/// Before them the motion of the `to` end against the `from` end, in its axes.
 struct Sections {
-    size_t first = 0, count = 0, stride = 6;
+    size_t first = 0, count = 0, stride = 6, deflection = 0, rotation = 0;
 };
 
 /// Of the elements that have sections.
 using SectionsOf = std::unordered_map<std::string_view, Sections>;
 SectionsOf find_sections(const std::vector<Channel>& channels) {
     SectionsOf all;
+    size_t deflection = 0, rotation = 0;  // of the last element
     for (size_t c = 0; c < channels.size(); ++c) {
-        if (channels[c].of() != Channel::Of::element || channels[c].quantity() != "section0.force") continue;
+        if (channels[c].of() != Channel::Of::element) continue;
+        const std::string& quantity = channels[c].quantity();
+        if (quantity == "deflection" && channels[c].axis() == "x") deflection = c;
+        if (quantity == "rotation" && channels[c].axis() == "x") rotation = c;
+        if (quantity != "section0.force") continue;
         const std::string& owner = channels[c].owner();
-        Sections own{c};
+        Sections own{c, 0, 6, deflection, rotation};
         if (c + 6 < channels.size() && channels[c + 6].unit() == "Pa") own.stride = 7;
         for (; c < channels.size() && channels[c].owner() == owner && !channels[c].by_default(); c += own.stride)
             ++own.count;
@@ -536,7 +542,7 @@ std::string members_of(const Results& results, const Model& model, const Section
         for (const Element& element : model.elements) {
             const auto own = all.find(element.name);
             if (own == all.end()) continue;
-            const auto& [first, count, stride] = own->second;
+            const size_t first = own->second.first, count = own->second.count, stride = own->second.stride;
             const double length =
                 (frame_at_start(model, element.ends[1]).position - frame_at_start(model, element.ends[0]).position).norm();
             for (size_t k = 0; k < count; ++k) {
@@ -550,6 +556,17 @@ std::string members_of(const Results& results, const Model& model, const Section
     return all.empty() ? std::string() : table.text();
 }
 
+/// What loads along an element of that length and its weight do across it, by the forces at both its ends [N].
+double load_across(const std::vector<double>& row, const Sections& sections, double length) {
+    const auto vector_at = [&](size_t c) { return Eigen::Vector3d(row[c], row[c + 1], row[c + 2]); };
+    const Eigen::Vector3d rotation = vector_at(sections.rotation);
+    const double angle = rotation.norm();
+    const Eigen::Vector3d to = vector_at(sections.first + (sections.count - 1) * sections.stride),
+                          turned = angle > 0 ? Eigen::Vector3d(Eigen::AngleAxisd(angle, rotation / angle) * to) : to,
+                          way = (vector_at(sections.deflection) + length * Eigen::Vector3d::UnitX()).normalized();
+    return (turned - vector_at(sections.first)).cross(way).norm();
+}
+
 /// Loads along a beam act at the middles of its segments, of length h: moments err by up to q h²/24, q where it is largest.
 void note_line_loads(const Results& results, const Model& model, const SectionsOf& all, const ElementCatalogue& catalogue,
                      Warnings& warnings) {
@@ -558,19 +575,21 @@ void note_line_loads(const Results& results, const Model& model, const SectionsO
         double error = 0, largest = 0, segments = 0;
         const Element* element = nullptr;
         const Found* found = nullptr;
-        size_t count = 0;
+        size_t count = 0;               ///< elements
+        const Element* last = nullptr;  ///< of them
 
+        /// Case by case of one element after the other.
         void take(const Worst& other) {
             if (other.error <= kShown * other.largest) return;
-            const size_t number = count + (element != other.element);
+            const size_t number = count + (last != other.element);
             if (other.error > error) *this = other;
             count = number;
+            last = other.element;
         }
         std::string text(const char* what, const char* unit, const char* where) const {
             return fmt::format(
                 "{}element {}: loads along it act at {}, and {} err by up to about {:.2g} {}, {} its largest, where {}{}. "
-                "With "
-                "twice as many it is a fourth",
+                "With twice as many it is a fourth",
                 found->load_case.empty() ? "" : fmt::format("case {}: ", quote(found->load_case)), quote(element->name),
                 segments > 1 ? fmt::format("the middles of its {:g} segments", segments) : "the middle of its only segment",
                 what, error, unit, error < largest ? fmt::format("{:.1g} of", error / largest) : "more than", where,
@@ -583,19 +602,21 @@ void note_line_loads(const Results& results, const Model& model, const SectionsO
         const auto own = all.find(element.name);
         if (!value || own == all.end() || own->second.count < 2) continue;
         const double segments = element.values[*value];
-        const auto& [first, sections, stride] = own->second;
+        const Sections& sections = own->second;
         const double length =
             (frame_at_start(model, element.ends[1]).position - frame_at_start(model, element.ends[0]).position).norm();
         for (const Found& found : results.cases) {
-            const auto at = [&](size_t section, size_t i) { return found.row[first + section * stride + i]; };
+            const auto at = [&](size_t section, size_t i) {
+                return found.row[sections.first + section * sections.stride + i];
+            };
             double moment = 0, force = 0;
-            for (size_t k = 0; k < sections; ++k) {
+            for (size_t k = 0; k < sections.count; ++k) {
                 moment = std::max(moment, std::hypot(at(k, 4), at(k, 5)));
                 force = std::max(force, std::abs(at(k, 0)));
             }
             const auto loads = found.line_loads.find(e);
             const LineLoads along = loads == found.line_loads.end() ? LineLoads{} : loads->second;
-            const double carried = std::hypot(at(sections - 1, 1) - at(0, 1), at(sections - 1, 2) - at(0, 2)),
+            const double carried = load_across(found.row, sections, length),
                          weight = carried > found.rest.residual ? std::max(carried / length - along.mean, 0.0) : 0,
                          error = (along.across + weight) * length * length / (24 * segments * segments);
             moments.take({error, moment, segments, &element, &found});
@@ -714,8 +735,7 @@ void note_segments(const std::vector<CriticalLoad>& factors, const std::string& 
     warnings.note(
         "critical-load-segments",
         fmt::format("{}the segments of its beams leave an error of less than about {:.1g} of the critical load factor "
-                    "{:.6g}: so much do others change it, a half or a third; one and four times as many where there are "
-                    "fewer than four. More of them come nearer",
+                    "{:.6g}, as other numbers of them show; more of them come nearer",
                     place, error(*worst), worst->factor));
 }
 

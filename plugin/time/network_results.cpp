@@ -260,7 +260,7 @@ Vector6 NetworkResults::section_forces(const Instant& instant, const ChainView& 
         turn = state.theta_before;
         way = turned(turn, Vector3(-quarter, 0, 0));
     } else {
-        // The curvature times the stiffness: of what the joint carries, a part balances its pull beside the bent axis
+        // The stiffness times the curvature. The rest of what the joint carries balances its pull beside the bent axis
         const double arm = 2 * mechanism_.joints[as_size(j)].law().line.bow;
         at_joint.tail<2>() += arm * force.x() * state.theta_before.tail<2>();
     }

@@ -2604,6 +2604,72 @@ force_per_length = [{}, {}]
         }
 }
 
+// Oracle: EI q/N in the middle of a wire. The node there has the moment that balances its segments, and what is said is more
+// than it errs. A wire that nothing loads along it has no such note, however a force at its node bends it.
+TEST(Statics, WhatSegmentsLeaveAtANodeOfAWireIsSaid) {
+    static constexpr double kEI = 10, kLoad = 9.81;
+    const auto wire = [](const char* more) {
+        std::string text = fmt::format(R"(format = "dttmm/1"
+[nodes]
+a = {{ position = [0, 0, 0], fixed = ["x", "y", "z", "rx"] }}
+m = [5, 0, 0]
+b = {{ position = [10, 0, 0], fixed = ["x", "y", "z", "rx"], motion = {{ x = 0.02 }} }}
+{})",
+                                       more);
+        for (const char* ends : {"from = \"a\"\nto = \"m\"", "from = \"m\"\nto = \"b\""})
+            text += fmt::format(R"([[element]]
+name = "from_{}"
+type = "beam"
+{}
+segments = 8
+theory = "euler-bernoulli"
+section = {{ EA = 1e6, EIy = {}, EIz = {}, GJ = 7, mass = 1, inertia = 1e-5 }}
+)",
+                                ends[8], ends, kEI, kEI);
+        return text;
+    };
+    const AtRest rest = rest_of(wire("[simulation]\ngravity = [0, 0, -9.81]\n"));
+    const double error = std::abs(std::abs(rest.row.at("from_m.moment.y")) - kEI * kLoad / rest.row.at("from_a.force.x"));
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(rest.told, found, std::regex("err by up to about ([0-9.e+-]+) N\\*m")));
+    EXPECT_GT(error, 0.015);
+    EXPECT_GT(std::stod(found[1]), error);
+    EXPECT_LT(std::stod(found[1]), 10 * error);
+    EXPECT_THAT(rest_of(wire("[[load]]\non = \"m\"\ndirection = [0, 0, -1]\nforce = 100\n")).told,
+                testing::Not(HasSubstr("loads along it")));
+}
+
+TEST(Statics, BeamsThatLoadsErrInAreCountedOnce) {
+    std::string text = "format = \"dttmm/1\"\n[nodes]\n", loads;
+    for (int k = 0; k < 3; ++k) {
+        for (const int end : {0, 1})
+            text +=
+                fmt::format("n{}{} = {{ position = [{}, {}, 0], fixed = [\"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"] }}\n",
+                            k, end, k, 2 * end);
+        loads += fmt::format(R"([[element]]
+name = "e{0}"
+type = "beam"
+from = "n{0}0"
+to = "n{0}1"
+theory = "euler-bernoulli"
+section = {{ EA = 1e8, EIy = 4e5, EIz = 3e5, GJ = 2e5, mass = 7, inertia = 1 }}
+[[load]]
+name = "snow"
+element = "e{0}"
+direction = [0, 0, -1]
+force_per_length = {1}
+)",
+                             k, 30 * (3 - k));
+    }
+    loads += "[[case]]\nname = \"one\"\nfactors = { snow = 1 }\n[[case]]\nname = \"two\"\nfactors = { snow = 2 }\n";
+    const TemporaryFolder folder;
+    write_text(folder / "m.toml", text + loads);
+    EXPECT_THAT(
+        run_dttmm(folder.path(), {"static", "m.toml", "-o", "out"}).err,
+        testing::AllOf(HasSubstr("case \"two\": element \"e0\": loads along it act at the middles of its 10 segments"),
+                       HasSubstr("statically determinately, and in 2 more less. With twice as many")));
+}
+
 /// Oracle: a truss of two bars, rise h: P = 2 k (L₀/L − 1) z with z the height of its top, L² = a² + z², is largest at L³ =
 /// a² L₀. Above that the top snaps through. A correction may jump over what is unstable without leading uphill: 180, 300 and
 /// 5000 N did so without a word. A preloaded spring elsewhere moves before any load does, and hid it.

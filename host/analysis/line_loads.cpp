@@ -17,6 +17,10 @@ std::optional<size_t> segments_at(const dttmm_element_type& type) {
     return std::nullopt;
 }
 
+Eigen::Vector3d way_along(const Model& model, const Element& element) {
+    return frame_at_start(model, element.ends[1]).position - frame_at_start(model, element.ends[0]).position;
+}
+
 std::map<size_t, LineLoads> find_line_loads(const Model& model, const ElementCatalogue& catalogue, double time) {
     struct End {
         double along = 0;
@@ -31,8 +35,7 @@ std::map<size_t, LineLoads> find_line_loads(const Model& model, const ElementCat
         const Element& element = model.elements[e];
         const auto at = segments_at(*catalogue.types[as_size(element.type)]);
         if (!at) continue;
-        const Eigen::Vector3d way =
-            frame_at_start(model, element.ends[1]).position - frame_at_start(model, element.ends[0]).position;
+        const Eigen::Vector3d way = way_along(model, element);
         LineLoads& own = all[e];
         own.length = way.norm();
         own.segments = element.values[*at];

@@ -13,6 +13,9 @@ namespace dttmm::host {
 /// Where the values of an element say how many segments it is divided into; nothing: it is not.
 std::optional<size_t> segments_at(const dttmm_element_type& type);
 
+/// Between the ends of an element with two of them, at the start [m].
+Eigen::Vector3d way_along(const Model& model, const Element& element);
+
 /// The forces per length along a divided element, all together. They act at the middles of its segments. Where it is not
 /// held statically determinately, forces err by that: a fourth as much with twice as many.
 struct LineLoads {

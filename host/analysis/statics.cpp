@@ -36,6 +36,7 @@
 #include "record/results_folder.h"
 #include "record/tell.h"
 #include "step/simulation.h"
+#include "world/rotation_step.h"
 
 namespace dttmm::host {
 
@@ -543,8 +544,7 @@ std::string members_of(const Results& results, const Model& model, const Section
             const auto own = all.find(element.name);
             if (own == all.end()) continue;
             const size_t first = own->second.first, count = own->second.count, stride = own->second.stride;
-            const double length =
-                (frame_at_start(model, element.ends[1]).position - frame_at_start(model, element.ends[0]).position).norm();
+            const double length = way_along(model, element).norm();
             for (size_t k = 0; k < count; ++k) {
                 if (are_named) table.add(found.load_case);
                 table.add(element.name).add(length * static_cast<double>(k) / static_cast<double>(count - 1));
@@ -559,10 +559,8 @@ std::string members_of(const Results& results, const Model& model, const Section
 /// What loads along an element of that length and its weight do across it, by the forces at both its ends [N].
 double load_across(const std::vector<double>& row, const Sections& sections, double length) {
     const auto vector_at = [&](size_t c) { return Eigen::Vector3d(row[c], row[c + 1], row[c + 2]); };
-    const Eigen::Vector3d rotation = vector_at(sections.rotation);
-    const double angle = rotation.norm();
     const Eigen::Vector3d to = vector_at(sections.first + (sections.count - 1) * sections.stride),
-                          turned = angle > 0 ? Eigen::Vector3d(Eigen::AngleAxisd(angle, rotation / angle) * to) : to,
+                          turned = RotationStep(vector_at(sections.rotation)).apply(to),
                           way = (vector_at(sections.deflection) + length * Eigen::Vector3d::UnitX()).normalized();
     return (turned - vector_at(sections.first)).cross(way).norm();
 }
@@ -603,8 +601,7 @@ void note_line_loads(const Results& results, const Model& model, const SectionsO
         if (!value || own == all.end() || own->second.count < 2) continue;
         const double segments = element.values[*value];
         const Sections& sections = own->second;
-        const double length =
-            (frame_at_start(model, element.ends[1]).position - frame_at_start(model, element.ends[0]).position).norm();
+        const double length = way_along(model, element).norm();
         for (const Found& found : results.cases) {
             const auto at = [&](size_t section, size_t i) {
                 return found.row[sections.first + section * sections.stride + i];

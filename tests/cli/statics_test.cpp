@@ -2560,7 +2560,7 @@ TEST(Statics, WhatSegmentsLeaveOfALoadThatVariesIsSaid) {
     };
     constexpr double kLength = 3.1;
     for (const auto& [first, last] : {std::pair(70., -70.), std::pair(0., 90.), std::pair(50., -45.)})
-        for (const int segments : {1, 3, 10}) {
+        for (const int segments : {1, 3, 10, 20, 30}) {
             const auto loaded = [&](const char* direction, const char* axes) {
                 return fmt::format(R"(format = "dttmm/1"
 [nodes]
@@ -2583,6 +2583,7 @@ force_per_length = [{}, {}]
                                    kLength, segments, direction, axes, first, last);
             };
             for (const auto& [direction, axes] : {std::pair("[0.6, 0, 0.8]", "world"), std::pair("[0, 0, 1]", "element")}) {
+                if (segments > 10) break;
                 const AtRest across = rest_of(loaded(direction, axes));
                 const auto moment = [&](const char* node) {
                     return std::hypot(across.row.at(std::string(node) + ".reaction_moment.x"),
@@ -2594,13 +2595,15 @@ force_per_length = [{}, {}]
                 EXPECT_LT(error, 1.05 * said(across.told, "N\\*m")) << segments << across.told;
                 EXPECT_GT(error, (segments > 1 ? 0.95 : 0.5) * said(across.told, "N\\*m")) << segments << across.told;
             }
+            // In modes: from 25 segments on it is less than 1e-3 of what a linear force leaves out, 2/(3 n²)
+            const TemporaryFolder folder;
+            write_text(folder / "m.toml", loaded("[0, 1, 0]", "world"));
+            const std::string told = run_dttmm(folder.path(), {"modes", "m.toml", "-o", "out"}).err;
+            EXPECT_EQ(testing::Value(told, HasSubstr("element \"girder\": the load along it rises")), segments < 25) << told;
+            if (segments > 10) continue;
             const AtRest along = rest_of(loaded("[0, 1, 0]", "world"));
             const double error = std::abs(along.row.at("girder.force.x") - kLength * (2 * first + last) / 6);
             EXPECT_NEAR(said(along.told, "N,"), error, 0.05 * error) << segments << along.told;
-            const TemporaryFolder folder;
-            write_text(folder / "m.toml", loaded("[0, 1, 0]", "world"));
-            EXPECT_THAT(run_dttmm(folder.path(), {"modes", "m.toml", "-o", "out"}).err,
-                        HasSubstr("element \"girder\": the load along it rises"));
         }
 }
 
